@@ -1,0 +1,1 @@
+#include "pie/intersect/intersector.h"

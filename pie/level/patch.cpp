@@ -1,0 +1,1 @@
+#include "pie/level/patch.h"

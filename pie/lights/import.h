@@ -1,0 +1,34 @@
+#pragma once
+// Lights of a Quake 3 level: light entities (of the BSP, or of the .map beside it), emissive shaders, suns and sky
+// light of sky shaders. Formulas: doc/algorithms/lights.md. A level without any gets a stated fallback.
+
+#include "pie/level/level.h"
+#include "pie/lights/light.h"
+#include "pie/scene/scene.h"
+
+#include <string>
+#include <vector>
+
+namespace pie::lights {
+
+struct ImportOptions {
+    bool entities = true, scripts = true;
+    bool backsplash = true;
+    float pointScale = 1, areaScale = 1, skyScale = 1; ///< multiply what was found
+    bool linear = false;                               ///< linearise light colours (color_space = srgb)
+};
+
+struct ImportedLights {
+    std::vector<Light> lights;
+    std::size_t points = 0, spheres = 0, spots = 0, areas = 0, suns = 0, skies = 0; ///< by kind, backsplash not counted
+    std::string sources;               ///< "entities of oa_dm1.map and scripts", "scripts", "fallback"
+    std::vector<std::string> warnings; ///< what is not emulated, once each
+    bool fallback = false;
+    /// "60 point, 14 area, 1 sun; from entities and scripts"
+    [[nodiscard]] std::string summary() const;
+};
+
+[[nodiscard]] ImportedLights importLights(const level::Level& level, const scene::Scene& scene,
+                                          const ImportOptions& options = {});
+
+} // namespace pie::lights

@@ -1,0 +1,1 @@
+#include "pie/lights/light.h"

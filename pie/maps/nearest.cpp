@@ -1,0 +1,1 @@
+#include "pie/maps/nearest.h"

@@ -1,0 +1,1 @@
+#include "pie/photons/tracer.h"

@@ -1,0 +1,1 @@
+#include "pie/sampling/directions.h"

@@ -1,0 +1,1 @@
+#include "pie/scene/mesh.h"

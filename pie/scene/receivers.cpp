@@ -1,0 +1,1 @@
+#include "pie/scene/receivers.h"
