@@ -1,0 +1,140 @@
+#pragma once
+// Every parameter of the engine and of the view, in one struct, and a table that describes each: key, type, default,
+// unit, range, what it costs in speed and accuracy, and its number in the paper (pi-engine 6.1). Whatever shows, reads
+// or documents a setting reads the table; a new setting is one field here and one row there.
+//
+// Protocol: make a Settings, then feed it in any order: `readFile` (TOML), `setOptions` (an OSG option string) and
+// `set` (one key from a command line). The source ranks, not the order of the calls: default < level < file < option
+// string < command line; a value from a lower source never replaces one from a higher. `origin` tells where a value
+// came from. Errors name the key and what is allowed; a key that does not exist is an error that suggests the nearest.
+// A call that fails changes nothing.
+
+#include "pie/core/result.h"
+#include "pie/intersect/intersector.h"
+#include "pie/photons/tracer.h"
+#include "pie/scene/scene.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pie::engine {
+
+/// What is shown. Lit: light by photons. Baked: the level's own lightmaps and vertex colours. Light: as Lit, without
+/// textures.
+enum class View : std::uint8_t { Lit, Baked, Fullbright, Light };
+/// What flux is divided by: the area that exists within the kernel, or pi r² (pi-engine eq 3.3).
+enum class EstimatorKind : std::uint8_t { TrueArea, Nearest };
+enum class KernelKind : std::uint8_t { Epanechnikov, Constant };
+enum class DirectLight : std::uint8_t { ShadowRays, Photons };
+enum class PhotonMapKind : std::uint8_t { KdTree, Exact };
+/// Quake3: colours are used as stored; Srgb: linearised, and encoded again for display.
+enum class ColorSpace : std::uint8_t { Quake3, Srgb };
+/// How light meets the texture: Multiply is pi-engine eq 3.9, AddSigned eq 3.8.
+enum class Blending : std::uint8_t { Multiply, AddSigned };
+enum class Renderer : std::uint8_t { Glsl, Fixed };
+
+/// Where a value came from, lowest precedence first.
+enum class Source : std::uint8_t { Default, Level, File, Options, CommandLine };
+[[nodiscard]] std::string_view sourceName(Source source); ///< "default", "level", "file", "options", "command line"
+
+struct Settings {
+    // View
+    View view = View::Lit;
+    Renderer renderer = Renderer::Glsl;
+    ColorSpace colorSpace = ColorSpace::Quake3;
+    float exposure = 1;        ///< factor on light before display
+    float overbrightClamp = 2; ///< light is cut, hue kept, at this multiple of "texture as it is"
+    Blending blending = Blending::Multiply;
+    bool drawSky = true, drawFog = true, animate = true;
+    bool deluxe = true; ///< baked: recognise interleaved deluxe lightmaps
+
+    // Photons
+    int photonsFromLight = 10'000; ///< emitted per frame, by all lights together
+    int accumulationFrames = 10;
+    photons::TracerOptions::Scattering scattering = photons::TracerOptions::Scattering::RussianRoulette;
+    int recursionDepth = 8;
+    int diffuseReflections = 36;
+    bool storeDirectLight = false;
+    std::uint64_t seed = 0;
+    intersect::Kind intersector = intersect::Kind::Embree;
+
+    // Irradiance
+    EstimatorKind estimator = EstimatorKind::TrueArea;
+    KernelKind kernel = KernelKind::Epanechnikov;
+    PhotonMapKind photonMap = PhotonMapKind::KdTree;
+    int maxSearchCount = 100;
+    float maxSearchRadius = 192; ///< units
+    bool useRadiusHeuristic = false;
+    float radiusHeuristicAlpha = 0.05F; ///< share of the mean radiance below which an estimate counts as dark
+    bool useSphereSlice = true;
+    float sphereSlice = 4; ///< units; half thickness
+    bool useEstimateCache = true;
+    DirectLight directLight = DirectLight::ShadowRays;
+    int directSamples = 16;       ///< shadow rays per soft source and receiver, at most
+    float directTolerance = 0.05; ///< lightmap units U
+
+    // Geometry
+    int meshRefinement = std::numeric_limits<int>::max(); ///< splits, at most
+    float maxEdge = 64;                                   ///< units
+    int maxTriangles = 4'000'000;
+    float tJunctionTolerance = 0.01F; ///< units
+    float patchTolerance = 1;         ///< units
+    int cellTriangles = 1500;
+
+    // Surfaces and lights
+    scene::ReflectanceModel reflectance = scene::ReflectanceModel::Texture;
+    float maxReflectance = 0.95F;
+    bool lightEntities = true, lightScripts = true, backsplash = true;
+    float lightScale = 1;                              ///< multiplies every light, beside the scale of its kind
+    float pointScale = 1, areaScale = 1, skyScale = 1; ///< by kind: entities, emissive surfaces, sky and sun
+
+    // Files and run
+    std::string game;                  ///< game directory; empty: the one around the level
+    std::vector<std::string> textures; ///< further game directories, searched after the level's own
+    std::string config;                ///< the TOML file read last
+    int threads = 0;                   ///< 0: one per core
+    bool stats = false;
+
+    /// Takes `value` for `key`. True when it is in effect, false when a higher source had set the key before. `config`
+    /// reads the file it names, as a file.
+    Result<bool> set(std::string_view key, std::string_view value, Source source);
+    /// "key=value key2=value2", separated by white space, without quoting (OSG's -O). A word without '=' is the value
+    /// true of a bool ("stats"). All or nothing.
+    Result<bool> setOptions(std::string_view options, Source source = Source::Options);
+    /// Flat `key = value` lines of a TOML file; lists are arrays. Relative folders in it are meant from the file's own
+    /// folder. Errors carry line and column.
+    Result<bool> readFile(const std::filesystem::path& file);
+
+    [[nodiscard]] Source origin(std::string_view key) const;     ///< Default for unknown keys
+    [[nodiscard]] std::string value(std::string_view key) const; ///< as `set` reads it; empty for unknown keys
+    /// What is in effect and differs from the default, one "key=value (source)" each in table order; `all`: everything.
+    [[nodiscard]] std::vector<std::string> effective(bool all = false) const;
+    /// What no value alone shows: combinations that do nothing or contradict, one line each.
+    [[nodiscard]] std::vector<std::string> warnings() const;
+
+private:
+    std::vector<Source> origins_; ///< by row of the table; empty: all Default
+};
+
+/// One row of the table, as text.
+struct SettingInfo {
+    std::string_view key;
+    std::string_view group;       ///< "View", "Photons", …
+    std::string syntax;           ///< "lit|baked|fullbright|light", "true|false", "<integer>", "<number>", "<folder>"
+    std::string defaultValue;     ///< as `set` reads it
+    std::string_view unit;        ///< "units", "watts per square unit"; may be empty
+    std::string range;            ///< "1 to 10000000"; empty where the syntax says all
+    std::string_view consequence; ///< what it does, and what more or less of it costs in speed and accuracy
+    std::string_view paper;       ///< "pi-engine parameter 9"; may be empty
+};
+/// All rows, in the order in which they are to be shown.
+[[nodiscard]] std::span<const SettingInfo> describe();
+/// The table as Markdown, as it stands in doc/settings.md.
+[[nodiscard]] std::string settingsPage();
+
+} // namespace pie::engine
