@@ -75,8 +75,8 @@ struct Settings {
     float sphereSlice = 4; ///< units; half thickness
     bool useEstimateCache = true;
     DirectLight directLight = DirectLight::ShadowRays;
-    int directSamples = 16;       ///< shadow rays per soft source and receiver, at most
-    float directTolerance = 0.05; ///< lightmap units U
+    int directSamples = 16;        ///< shadow rays per soft source and receiver, at most
+    float directTolerance = 0.05F; ///< lightmap units U
 
     // Geometry
     int meshRefinement = std::numeric_limits<int>::max(); ///< splits, at most
@@ -106,9 +106,14 @@ struct Settings {
     /// "key=value key2=value2", separated by white space, without quoting (OSG's -O). A word without '=' is the value
     /// true of a bool ("stats"). All or nothing.
     Result<bool> setOptions(std::string_view options, Source source = Source::Options);
+    /// One "key=value", as after --set; the value may hold spaces.
+    Result<bool> setPair(std::string_view pair, Source source);
     /// Flat `key = value` lines of a TOML file; lists are arrays. Relative folders in it are meant from the file's own
     /// folder. Errors carry line and column.
     Result<bool> readFile(const std::filesystem::path& file);
+
+    /// Whether first hits go into the photon map: asked for, or needed because direct light is to come from there.
+    [[nodiscard]] bool storesDirectLight() const { return storeDirectLight || directLight == DirectLight::Photons; }
 
     [[nodiscard]] Source origin(std::string_view key) const;     ///< Default for unknown keys
     [[nodiscard]] std::string value(std::string_view key) const; ///< as `set` reads it; empty for unknown keys

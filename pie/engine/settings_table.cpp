@@ -1,0 +1,265 @@
+#include "pie/engine/settings_table.h"
+
+#include <algorithm>
+#include <array>
+
+namespace pie::engine::table {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+constexpr double largestInt = std::numeric_limits<int>::max();
+
+template <auto Member> constexpr Choice choice(std::span<const std::string_view> names) {
+    return {names,
+            [](Settings& settings, std::size_t value) {
+                settings.*Member = static_cast<std::remove_reference_t<decltype(settings.*Member)>>(value);
+            },
+            [](const Settings& settings) { return static_cast<std::size_t>(settings.*Member); }};
+}
+
+// In the order of the enumerations.
+constexpr std::array<std::string_view, 4> viewNames{"lit", "baked", "fullbright", "light"};
+constexpr std::array<std::string_view, 2> rendererNames{"glsl", "fixed"};
+constexpr std::array<std::string_view, 2> colorSpaceNames{"quake3", "srgb"};
+constexpr std::array<std::string_view, 2> blendingNames{"multiply", "add_signed"};
+constexpr std::array<std::string_view, 2> scatteringNames{"roulette", "split"};
+constexpr std::array<std::string_view, 3> intersectorNames{"brute_force", "bsp", "embree"};
+constexpr std::array<std::string_view, 2> estimatorNames{"true_area", "nearest"};
+constexpr std::array<std::string_view, 2> kernelNames{"epanechnikov", "constant"};
+constexpr std::array<std::string_view, 2> mapNames{"kd_tree", "exact"};
+constexpr std::array<std::string_view, 2> directNames{"shadow_rays", "photons"};
+constexpr std::array<std::string_view, 2> reflectanceNames{"texture", "compiler"};
+
+// clang-format off: one row is one paragraph
+constexpr std::array table{
+    Row{"view", "View", choice<&Settings::view>(viewNames), 0, 0, "",
+        "lit: light by photons. baked: the level's own lightmaps and vertex colours, as the game shows them. "
+        "fullbright: textures alone. "
+        "light: as lit, without textures. Only lit and light trace photons.",
+        ""},
+    Row{"renderer", "View", choice<&Settings::renderer>(rendererNames), 0, 0, "",
+        "glsl: light as floats through a GLSL 1.20 shader. fixed: for drivers without shaders; light is clamped to "
+        "what 8 bits and the "
+        "texture combiners hold.",
+        ""},
+    Row{"color_space", "View", choice<&Settings::colorSpace>(colorSpaceNames), 0, 0, "",
+        "quake3: textures and light colours are multiplied as stored, as the game does. srgb: they are linearised and "
+        "the picture is "
+        "encoded again; truer to optics, unlike the game. Same speed.",
+        ""},
+    Row{"exposure", "View", &Settings::exposure, 0, 1000, "", "Factor on light before display. 1 is the game's scale.",
+        ""},
+    Row{"overbright_clamp", "View", &Settings::overbrightClamp, 1, 16, "texture multiples",
+        "Light beyond this multiple of the plain texture is cut with its hue kept: 2 as the game with hardware gamma, "
+        "1 as in a window "
+        "without.",
+        ""},
+    Row{"blending", "View", choice<&Settings::blending>(blendingNames), 0, 0, "",
+        "How light meets the texture. multiply: C = Cf Ct. add_signed: C = Cf + Ct - 0.5, which brightens and darkens "
+        "but is not physical.",
+        "pi-engine eq 3.9 and 3.8"},
+    Row{"draw_sky", "View", &Settings::drawSky, 0, 0, "", "Draw sky boxes and clouds; off leaves the clear colour.",
+        ""},
+    Row{"draw_fog", "View", &Settings::drawFog, 0, 0, "", "Draw fog volumes.", ""},
+    Row{"animate", "View", &Settings::animate, 0, 0, "",
+        "Move textures, waves and animated pictures with time; off freezes them at time 0, so that pictures repeat.",
+        ""},
+    Row{"deluxe", "View", &Settings::deluxe, 0, 0, "",
+        "baked: recognise lightmaps that alternate with light directions and skip those. Off when a level is taken for "
+        "one by mistake.",
+        ""},
+
+    Row{"photons_from_light", "Photons", &Settings::photonsFromLight, 0, 10'000'000, "photons per frame",
+        "Photons that all lights together emit in a frame. Time for tracing and building grows in proportion; noise "
+        "falls with the square "
+        "root.",
+        "pi-engine parameter 9"},
+    Row{"accumulation_frames", "Photons", &Settings::accumulationFrames, 1, 1000, "frames",
+        "Frames whose photons are kept together. More: less noise at the same tracing time, more memory and search "
+        "time, and light that "
+        "follows changes later.",
+        "pi-engine parameter 10"},
+    Row{"scattering", "Photons", choice<&Settings::scattering>(scatteringNames), 0, 0, "",
+        "roulette: at a hit one photon goes on, with the probability of the reflectance; all photons have similar "
+        "power. split: "
+        "diffuse_reflections weaker ones do; many rays per photon, and dim photons fill the nearest-photon search.",
+        "pi-engine 5.2"},
+    Row{"recursion_depth", "Photons", &Settings::recursionDepth, 0, 100, "bounces",
+        "Diffuse reflections of a photon at most; 0 leaves direct light only. Light from later bounces is lost: dark "
+        "where walls are bright.",
+        "pi-engine parameter 12"},
+    Row{"diffuse_reflections", "Photons", &Settings::diffuseReflections, 1, 1000, "photons",
+        "scattering = split: photons that one photon becomes at its first hit. More spread the light better and cost "
+        "as many rays.",
+        "pi-engine parameter 13"},
+    Row{"store_direct_light", "Photons", &Settings::storeDirectLight, 0, 0, "",
+        "Keep first hits in the photon map. direct_light = photons does so by itself; with shadow_rays it costs memory "
+        "and search time and "
+        "shows nothing.",
+        "pi-engine parameter 11"},
+    Row{"seed", "Photons", &Settings::seed, 0, 0, "",
+        "Same seed, same bits, on any number of threads. Another seed shows what in a picture is noise.", ""},
+    Row{"intersector", "Photons", choice<&Settings::intersector>(intersectorNames), 0, 0, "",
+        "embree: a bounding volume hierarchy, the fast one. bsp: the level's own tree, as the paper. brute_force: "
+        "every triangle for every "
+        "ray, the judge. The same picture, but for ties on shared edges.",
+        "pi-engine parameter 1, BSP_tree"},
+
+    Row{"estimator", "Irradiance", choice<&Settings::estimator>(estimatorNames), 0, 0, "",
+        "What flux is divided by. true_area: the surface that exists within the kernel on the receiver's side. "
+        "nearest: pi r\u00b2, the "
+        "paper's, which loses half of the light at edges, where a level's vertices are.",
+        "pi-engine eq 3.3"},
+    Row{"kernel", "Irradiance", choice<&Settings::kernel>(kernelNames), 0, 0, "",
+        "epanechnikov: near photons weigh more; less blur at the same radius, a little more noise. constant: all weigh "
+        "the same, as in the "
+        "paper.",
+        "pi-engine 3.5"},
+    Row{"photon_map", "Irradiance", choice<&Settings::photonMap>(mapNames), 0, 0, "",
+        "kd_tree: search time grows with the logarithm of the photons. exact: looks at every photon, the judge. The "
+        "same photons are found.",
+        "pi-engine 5.3"},
+    Row{"max_search_count", "Irradiance", &Settings::maxSearchCount, 0, 1'000'000, "photons",
+        "k: photons in one estimate, at most. More: less noise, more blur, longer searches. 0 gives no indirect light.",
+        "pi-engine parameter 4"},
+    Row{"max_search_radius", "Irradiance", &Settings::maxSearchRadius, 0, unbounded, "units",
+        "Radius of the search, at most. Small: speckles where photons are few. Large: slow there, and light blurs over "
+        "the radius.",
+        "pi-engine parameter 5"},
+    Row{"use_radius_heuristic", "Irradiance", &Settings::useRadiusHeuristic, 0, 0, "",
+        "Take the radius from the density of photons instead of max_search_radius: r = sqrt(k r_n\u00b2 / (alpha n)).",
+        "pi-engine parameter 6, eq 3.7"},
+    Row{"radius_heuristic_alpha", "Irradiance", &Settings::radiusHeuristicAlpha, 1e-6, 1, "share of the mean radiance",
+        "Below this share of the mean an estimate counts as dark. Smaller: a larger radius, smoother and slower.",
+        "pi-engine eq 3.7"},
+    Row{"use_sphere_slice", "Irradiance", &Settings::useSphereSlice, 0, 0, "",
+        "Count only photons near the receiver's plane, so that light does not leak round corners and through walls. "
+        "Hardly any time.",
+        "pi-engine parameter 7"},
+    Row{"sphere_slice", "Irradiance", &Settings::sphereSlice, 0, unbounded, "units",
+        "Half thickness of that slice. Thin: curved surfaces lose photons. Thick: light leaks from neighbouring "
+        "surfaces.",
+        "pi-engine 3.5"},
+    Row{"use_estimate_cache", "Irradiance", &Settings::useEstimateCache, 0, 0, "",
+        "Estimate a vertex once a frame, however many triangles share it. Off: the same picture, every copy anew.",
+        "pi-engine parameter 3"},
+    Row{"direct_light", "Irradiance", choice<&Settings::directLight>(directNames), 0, 0, "",
+        "shadow_rays: light straight from the sources by rays; sharp shadows, no noise from point sources. photons: "
+        "from the photon map like "
+        "the rest; shadows blur over the search radius.",
+        "pi-engine parameter 11"},
+    Row{"direct_samples", "Irradiance", &Settings::directSamples, 1, 4096, "rays",
+        "Shadow rays per receiver to one soft source, at most. More: smoother penumbras, time in proportion.", ""},
+    Row{"direct_tolerance", "Irradiance", &Settings::directTolerance, 0, 255, "lightmap units",
+        "A source that would give a receiver less than this, unshadowed, is left out there. Larger: faster in levels "
+        "of many lights, and "
+        "darker by up to this per source.",
+        ""},
+
+    Row{"mesh_refinement", "Geometry", &Settings::meshRefinement, 0, largestInt, "splits",
+        "Splits of the longest edge, at most. 0 draws the level's own triangles. See max_edge.",
+        "pi-engine parameter 2"},
+    Row{"max_edge", "Geometry", &Settings::maxEdge, 0.001, unbounded, "units",
+        "Edges are split until none is longer. Half the length: four times the receivers, in time and memory, and "
+        "shadows twice as sharp.",
+        "pi-engine parameter 2"},
+    Row{"max_triangles", "Geometry", &Settings::maxTriangles, 1000, 100'000'000, "triangles",
+        "Refinement stops here whatever the other two say: the bound on memory.", ""},
+    Row{"t_junction_tolerance", "Geometry", &Settings::tJunctionTolerance, 0, 1, "units",
+        "Vertices this near to the inside of another triangle's edge are joined to it, so that no cracks sparkle and "
+        "light is continuous.",
+        ""},
+    Row{"patch_tolerance", "Geometry", &Settings::patchTolerance, 0.01, 1000, "units",
+        "Distance between a curve and its chords, at most. Smaller: rounder, more triangles to trace and to draw.", ""},
+    Row{"cell_triangles", "Geometry", &Settings::cellTriangles, 1, 10'000'000, "triangles",
+        "Triangles that are culled and drawn together. Fewer: less is estimated that nobody sees, more draw calls.",
+        "pi-engine 5.4"},
+
+    Row{"reflectance", "Surfaces and lights", choice<&Settings::reflectance>(reflectanceNames), 0, 0, "",
+        "texture: the mean texel, true to energy. compiler: 0.55147 times it and the shader's q3map_bounce, as the "
+        "level compiler; darker "
+        "indirect light, nearer to the baked one.",
+        ""},
+    Row{"max_reflectance", "Surfaces and lights", &Settings::maxReflectance, 0, 1, "",
+        "No channel of a surface reflects more. At 1 light in a closed white room only ends at recursion_depth.", ""},
+    Row{"light_entities", "Surfaces and lights", &Settings::lightEntities, 0, 0, "",
+        "Light from entities of the level, or of the .map beside it.", ""},
+    Row{"light_scripts", "Surfaces and lights", &Settings::lightScripts, 0, 0, "",
+        "Light from shader scripts: emissive surfaces, sun and sky.", ""},
+    Row{"backsplash", "Surfaces and lights", &Settings::backsplash, 0, 0, "",
+        "The level compiler's second, weaker source in front of every emissive surface, shining back on it and its "
+        "surroundings.",
+        ""},
+    Row{"light_scale", "Surfaces and lights", &Settings::lightScale, 0, 1e6, "",
+        "Factor on the power of every light, on top of the three below.", ""},
+    Row{"point_scale", "Surfaces and lights", &Settings::pointScale, 0, 1e6, "", "Factor on light entities.", ""},
+    Row{"area_scale", "Surfaces and lights", &Settings::areaScale, 0, 1e6, "", "Factor on emissive surfaces.", ""},
+    Row{"sky_scale", "Surfaces and lights", &Settings::skyScale, 0, 1e6, "", "Factor on sun and sky light.", ""},
+
+    Row{"game", "Files and run", Path{&Settings::game, true}, 0, 0, "",
+        "Game directory (maps, textures, scripts, pk3 files). Empty: the one around the level.", ""},
+    Row{"textures", "Files and run", &Settings::textures, 0, 0, "",
+        "More game directories, searched after the level's own: a base game's. Several are separated by ':', in a file "
+        "by an array.",
+        ""},
+    Row{"config", "Files and run", Path{&Settings::config, false}, 0, 0, "",
+        "TOML file with settings, one `key = value` a line. Option strings and command lines win over it.", ""},
+    Row{"threads", "Files and run", &Settings::threads, 0, 1024, "threads",
+        "0: one per core. Changes the time, never the picture.", ""},
+    Row{"stats", "Files and run", &Settings::stats, 0, 0, "",
+        "Print what was loaded, counted and how long each stage took.", ""},
+};
+// clang-format on
+
+std::string plain(std::string_view key) {
+    std::string text;
+    for (const char c : key) {
+        if (c >= 'A' && c <= 'Z') {
+            if (!text.empty()) text += '_';
+            text += static_cast<char>(c - 'A' + 'a');
+        } else {
+            text += c == '-' ? '_' : c;
+        }
+    }
+    return text;
+}
+
+/// Edits (insert, delete, replace, swap neighbours) between two words.
+std::size_t distance(std::string_view a, std::string_view b) {
+    std::vector<std::vector<std::size_t>> edits(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i) edits[i][0] = i;
+    for (std::size_t j = 0; j <= b.size(); ++j) edits[0][j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i)
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = edits[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            edits[i][j] = std::min({edits[i - 1][j] + 1, edits[i][j - 1] + 1, replaced});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
+        }
+    return edits[a.size()][b.size()];
+}
+
+} // namespace
+
+std::span<const Row> rows() { return table; }
+
+std::optional<std::size_t> find(std::string_view key) {
+    const auto* const row = std::find_if(table.begin(), table.end(), [&](const Row& r) { return r.key == key; });
+    if (row == table.end()) return std::nullopt;
+    return static_cast<std::size_t>(row - table.begin());
+}
+
+std::string_view nearest(std::string_view key) {
+    // Longer than any key can be meant; bounds the work on hostile input.
+    const std::string wanted = plain(key.substr(0, 64));
+    const auto cost = [&](const Row& row) {
+        // "photons" means photons_from_light rather than any word of seven letters.
+        if (wanted.size() >= 4 && row.key.starts_with(wanted)) return std::size_t{1};
+        if (wanted.size() >= 4 && row.key.find(wanted) != std::string_view::npos) return std::size_t{2};
+        return distance(wanted, row.key);
+    };
+    return std::min_element(table.begin(), table.end(), [&](const Row& a, const Row& b) { return cost(a) < cost(b); })
+        ->key;
+}
+
+} // namespace pie::engine::table
