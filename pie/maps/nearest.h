@@ -1,9 +1,13 @@
 #pragma once
 // What photon maps answer with, and the bounded queue that finds the k nearest without allocating (pi-engine 5.3.3).
+//
+// A search resets the queue, offers candidates and reads `found`. Which k photons it ends with does not depend on the
+// order in which they are offered.
 
 #include "pie/core/vec.h"
 #include "pie/photons/photon.h"
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,28 +16,81 @@ namespace pie::maps {
 
 struct Neighbour {
     float distanceSquared = 0;
-    std::uint32_t photon = 0; ///< PhotonMap::photons()
-    /// Total order: nearer first, then lower number. With it the k nearest are one set even among ties and duplicates.
-    friend bool operator<(const Neighbour& a, const Neighbour& b) {
-        return a.distanceSquared < b.distanceSquared || (a.distanceSquared == b.distanceSquared && a.photon < b.photon);
+    std::uint32_t photon = 0; ///< number in photons() of the map
+
+    /// One number in the order of (distance², number): distances are not negative, so their bits sort like them.
+    [[nodiscard]] std::uint64_t key() const {
+        return (std::uint64_t{std::bit_cast<std::uint32_t>(distanceSquared)} << 32U) | photon;
     }
+    /// Total order: nearer first, then lower number. With it the k nearest are one set even among ties and duplicates.
+    friend bool operator<(const Neighbour& a, const Neighbour& b) { return a.key() < b.key(); }
+    friend bool operator==(const Neighbour& a, const Neighbour& b) { return a.key() == b.key(); }
 };
+
+/// The squared distance all maps agree on to the last bit: this order of operations, in single precision.
+[[nodiscard]] inline float distanceSquared(const Vec3& a, const Vec3& b) {
+    const float x = a.x - b.x;
+    const float y = a.y - b.y;
+    const float z = a.z - b.z;
+    return (x * x + y * y) + z * z;
+}
+
+/// Square of a search radius, for balls that include their surface: a radius of 0 finds what lies in the very point.
+/// Negative where nothing can be found: radius negative or not a number.
+[[nodiscard]] inline float reachOfRadius(float radius) { return radius >= 0.0F ? radius * radius : -1.0F; }
+
+[[nodiscard]] inline bool isFinite(const Vec3& v) {
+    // Infinity and NaN times 0 are NaN; finite numbers are not.
+    return v.x * 0.0F == 0.0F && v.y * 0.0F == 0.0F && v.z * 0.0F == 0.0F;
+}
 
 /// Keeps the k smallest neighbours offered. A plain list until it is full, a max-heap from then on. `reset` allocates
-/// only when k grows.
+/// only when k grows past what it has seen and the photons found past what it had to hold.
 class NearestQueue {
 public:
+    /// A negative `maxDistanceSquared` and k = 0 accept nothing.
     void reset(std::size_t k, float maxDistanceSquared);
-    /// Candidates at or past this squared distance cannot enter … shrinks once full.
+    /// Room for k neighbours, so that no later search with at most that k allocates.
+    void reserve(std::size_t k) { found_.reserve(k); }
+    /// Candidates past this squared distance cannot enter; one at it may, when its number is low. Shrinks once full.
     [[nodiscard]] float reach() const { return reach_; }
-    void offer(const Neighbour& candidate);
+    void offer(const Neighbour& candidate) {
+        if (!(candidate.distanceSquared <= reach_)) return;
+        if (found_.size() < k_) {
+            found_.push_back(candidate);
+            if (found_.size() == k_) makeHeap();
+        } else if (candidate < found_.front()) {
+            replaceFarthest(candidate);
+        }
+    }
     [[nodiscard]] std::span<const Neighbour> found() const { return found_; } ///< no order
     [[nodiscard]] bool full() const { return k_ > 0 && found_.size() == k_; }
+    /// The k-th nearest. Only when full.
+    [[nodiscard]] const Neighbour& farthest() const { return found_.front(); }
 
 private:
+    void makeHeap();
+    void siftDown(std::size_t hole, const Neighbour& value);
+    void replaceFarthest(const Neighbour& value) {
+        siftDown(0, value);
+        reach_ = found_.front().distanceSquared;
+    }
+
     std::vector<Neighbour> found_;
     std::size_t k_ = 0;
-    float reach_ = 0;
+    float reach_ = -1;
 };
+
+inline void NearestQueue::siftDown(std::size_t hole, const Neighbour& value) {
+    const std::size_t size = found_.size();
+    Neighbour* const heap = found_.data();
+    for (std::size_t child = 2 * hole + 1; child < size; child = 2 * hole + 1) {
+        if (child + 1 < size && heap[child] < heap[child + 1]) ++child;
+        if (!(value < heap[child])) break;
+        heap[hole] = heap[child];
+        hole = child;
+    }
+    heap[hole] = value;
+}
 
 } // namespace pie::maps
