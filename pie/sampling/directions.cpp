@@ -1,1 +1,125 @@
 #include "pie/sampling/directions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pie::sampling {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr float belowOne = 0x1.fffffep-1F;
+
+struct SinCos {
+    float sine, cosine;
+};
+
+/// For |x| <= pi/4 (minimax polynomials of the Cephes library, error below 1e-7): no range reduction, so cheaper than
+/// the C library, and the tracer needs one a bounce.
+SinCos sinCosQuarter(float x) {
+    const float y = x * x;
+    const float sine = x + x * y * (-1.6666654611e-1F + y * (8.3321608736e-3F - y * 1.9515295891e-4F));
+    const float cosine =
+        1.0F - 0.5F * y + y * y * (4.166664568298827e-2F + y * (-1.388731625493765e-3F + y * 2.443315711809948e-5F));
+    return {sine, cosine};
+}
+
+/// Of the angle 2 pi u, 0 <= u < 1.
+SinCos sinCosTurn(float u) {
+    const float quarters = u * 4.0F;
+    const auto quadrant = static_cast<int>(quarters + 0.5F);
+    const SinCos s = sinCosQuarter((quarters - static_cast<float>(quadrant)) * (0.5F * pi));
+    switch (quadrant & 3) {
+    case 0: return s;
+    case 1: return {s.cosine, -s.sine};
+    case 2: return {-s.sine, -s.cosine};
+    default: return {-s.cosine, s.sine};
+    }
+}
+
+float clampToUnit(float u) { return std::clamp(u, 0.0F, belowOne); }
+
+/// Turns of the vector's angle, in [0, 1).
+float turn(float x, float y) {
+    const float t = std::atan2(y, x) * (0.5F / pi);
+    return clampToUnit(t < 0.0F ? t + 1.0F : t);
+}
+
+/// `v` is 1 - z: computing with it keeps the precision that z loses near the pole.
+Vec3 fromCap(float v, float angle) {
+    const float radius = std::sqrt(std::max(0.0F, v * (2.0F - v)));
+    const SinCos s = sinCosTurn(angle);
+    return {radius * s.cosine, radius * s.sine, 1.0F - v};
+}
+float capOf(const Vec3& d) { return d.z > 0.0F ? (d.x * d.x + d.y * d.y) / (1.0F + d.z) : 1.0F - d.z; }
+
+} // namespace
+
+Vec3 uniformSphere(const Vec2& u) {
+    // From the nearer pole, so that both poles are resolved alike.
+    if (u.x <= 0.5F) return fromCap(2.0F * u.x, u.y);
+    Vec3 d = fromCap(2.0F * (1.0F - u.x), u.y);
+    d.z = -d.z;
+    return d;
+}
+float uniformSpherePdf() { return 0.25F / pi; }
+Vec2 invertUniformSphere(const Vec3& direction) {
+    const float upper = 0.5F * capOf({direction.x, direction.y, std::abs(direction.z)});
+    return {clampToUnit(direction.z >= 0.0F ? upper : 1.0F - upper), turn(direction.x, direction.y)};
+}
+
+Vec3 cosineHemisphere(const Vec2& u) {
+    // Malley: a uniform disc lifted onto the sphere. z from the larger of the two coordinates before the map: 1 - r²
+    // has then no cancellation beyond that of the input.
+    const Vec2 disc = concentricDisc(u);
+    const Vec2 s = 2.0F * u - 1.0F;
+    const float radius = std::max(std::abs(s.x), std::abs(s.y));
+    return {disc.x, disc.y, std::sqrt(std::max(0.0F, (1.0F - radius) * (1.0F + radius)))};
+}
+float cosineHemispherePdf(const Vec3& direction) { return std::max(0.0F, direction.z) * (1.0F / pi); }
+Vec2 invertCosineHemisphere(const Vec3& direction) { return invertConcentricDisc({direction.x, direction.y}); }
+
+Vec3 uniformCone(const Vec2& u, float cosMax) { return fromCap(u.x * (1.0F - cosMax), u.y); }
+float uniformConePdf(float cosMax) {
+    return cosMax < 1.0F ? 0.5F / (pi * (1.0F - cosMax)) : std::numeric_limits<float>::infinity();
+}
+Vec2 invertUniformCone(const Vec3& direction, float cosMax) {
+    const float height = 1.0F - cosMax;
+    return {height > 0.0F ? clampToUnit(capOf(direction) / height) : 0.0F, turn(direction.x, direction.y)};
+}
+
+Vec2 concentricDisc(const Vec2& u) {
+    const Vec2 s = 2.0F * u - 1.0F;
+    if (s.x == 0.0F && s.y == 0.0F) return Vec2(0.0F);
+    if (std::abs(s.x) > std::abs(s.y)) {
+        const SinCos t = sinCosQuarter(0.25F * pi * (s.y / s.x));
+        return {s.x * t.cosine, s.x * t.sine};
+    }
+    const SinCos t = sinCosQuarter(0.25F * pi * (s.x / s.y));
+    return {s.y * t.sine, s.y * t.cosine};
+}
+float concentricDiscPdf() { return 1.0F / pi; }
+Vec2 invertConcentricDisc(const Vec2& point) {
+    const float radius = glm::length(point);
+    Vec2 s(0.0F);
+    if (std::abs(point.x) > std::abs(point.y)) {
+        s.x = std::copysign(radius, point.x);
+        s.y = s.x * std::atan(point.y / point.x) * (4.0F / pi);
+    } else if (point.y != 0.0F) {
+        s.y = std::copysign(radius, point.y);
+        s.x = s.y * std::atan(point.x / point.y) * (4.0F / pi);
+    }
+    return {clampToUnit(0.5F * (s.x + 1.0F)), clampToUnit(0.5F * (s.y + 1.0F))};
+}
+
+Vec2 uniformTriangle(const Vec2& u) {
+    return u.y > u.x ? Vec2(0.5F * u.x, u.y - 0.5F * u.x) : Vec2(u.x - 0.5F * u.y, 0.5F * u.y);
+}
+Vec2 invertUniformTriangle(const Vec2& weights) {
+    const float sum = weights.x + weights.y;
+    return weights.y > weights.x ? Vec2(clampToUnit(2.0F * weights.x), clampToUnit(sum))
+                                 : Vec2(clampToUnit(sum), clampToUnit(2.0F * weights.y));
+}
+
+} // namespace pie::sampling

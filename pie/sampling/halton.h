@@ -2,8 +2,14 @@
 // Halton points: randomness with an address. u(index, dimension) is the radical inverse of the index in the dimension's
 // prime base (selective photon tracing, eq 2). Indices that differ by a multiple of Π b^k agree in the leading k digits
 // of those dimensions (eq 3 and 5), so such photons follow similar paths; digit permutations keep that property.
+//
+// A number costs a few nanoseconds: several digits at once are looked up in a table of reversed and permuted digit
+// blocks, one table per dimension and block. All Halton objects of one seed share their tables (about 2 MB).
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace pie::sampling {
 
@@ -15,16 +21,60 @@ inline constexpr unsigned haltonDimensions = 128;
 /// The plain radical inverse, in [0, 1).
 [[nodiscard]] float radicalInverse(std::uint64_t index, unsigned dimension);
 
-/// Halton points of one seed. Seed 0 is the plain sequence in the first 6 dimensions and permuted digits above (plain
-/// ones are correlated there); other seeds permute every dimension.
-class Halton {
-public:
-    explicit Halton(std::uint64_t seed = 0) : seed_(seed) {}
-    /// In [0, 1). Dimensions past haltonDimensions wrap onto permutations of their own.
-    [[nodiscard]] float operator()(std::uint64_t index, unsigned dimension) const;
+namespace detail {
+
+inline constexpr float belowOne = 0x1.fffffep-1F;
+
+/// One dimension of one seed: blocks of digits, least significant first, with what each block value adds to u.
+struct HaltonRow {
+    static constexpr std::size_t maxBlocks = 8;
+    std::uint64_t magic = 0;  ///< ceil(2^64 / size): n / size for n < 2^32 is one multiplication
+    std::uint32_t size = 2;   ///< values a block can take: base^digits
+    std::uint32_t blocks = 0; ///< enough for 32 bits; further digits are below the precision of the result
+    const double* values = nullptr;
+    std::array<double, maxBlocks + 1> tail{}; ///< what blocks k and up add when all their digits are zero
+
+    [[nodiscard]] float operator()(std::uint64_t index) const {
+        const double* table = values;
+        double sum = 0.0;
+        std::uint32_t block = 0;
+        for (; index != 0 && block < blocks; ++block, table += size) {
+            const std::uint64_t rest = (index >> 32U) != 0 ? index / size : high(index, magic);
+            sum += table[index - rest * size];
+            index = rest;
+        }
+        const auto u = static_cast<float>(sum + tail[block]);
+        return u < belowOne ? u : belowOne; // rounding to float must not reach 1
+    }
 
 private:
+    static std::uint64_t high(std::uint64_t a, std::uint64_t b) {
+        __extension__ using Wide = unsigned __int128;
+        return static_cast<std::uint64_t>((static_cast<Wide>(a) * b) >> 64U);
+    }
+};
+
+struct HaltonTables;
+
+} // namespace detail
+
+/// Halton points of one seed. Seed 0 is the plain sequence in the first 6 dimensions and permuted digits above (plain
+/// ones are correlated there); other seeds permute every dimension. Every digit position has its own permutation.
+class Halton {
+public:
+    explicit Halton(std::uint64_t seed = 0);
+    /// In [0, 1). Dimensions past haltonDimensions wrap onto permutations of their own.
+    [[nodiscard]] float operator()(std::uint64_t index, unsigned dimension) const {
+        return dimension < haltonDimensions ? rows_[dimension](index) : beyond(index, dimension);
+    }
+    [[nodiscard]] std::uint64_t seed() const { return seed_; }
+
+private:
+    [[nodiscard]] float beyond(std::uint64_t index, unsigned dimension) const;
+
     std::uint64_t seed_;
+    std::shared_ptr<const detail::HaltonTables> tables_;
+    const detail::HaltonRow* rows_;
 };
 
 /// A hash in [0, 1) of two numbers: shifts (Cranley-Patterson) and choices that need no low discrepancy.
