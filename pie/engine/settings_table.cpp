@@ -252,11 +252,11 @@ std::optional<std::size_t> find(std::string_view key) {
 std::string_view nearest(std::string_view key) {
     // Longer than any key can be meant; bounds the work on hostile input.
     const std::string wanted = plain(key.substr(0, 64));
+    // A part of a name costs one edit ("photons" means photons_from_light rather than any word of seven letters); among
+    // equals the shorter name is the commoner setting.
     const auto cost = [&](const Row& row) {
-        // "photons" means photons_from_light rather than any word of seven letters.
-        if (wanted.size() >= 4 && row.key.starts_with(wanted)) return std::size_t{1};
-        if (wanted.size() >= 4 && row.key.find(wanted) != std::string_view::npos) return std::size_t{2};
-        return distance(wanted, row.key);
+        const bool part = wanted.size() >= 4 && (row.key.starts_with(wanted) || row.key.ends_with(wanted));
+        return std::pair(part ? std::size_t{1} : distance(wanted, row.key), row.key.size());
     };
     return std::min_element(table.begin(), table.end(), [&](const Row& a, const Row& b) { return cost(a) < cost(b); })
         ->key;
