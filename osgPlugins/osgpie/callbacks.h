@@ -1,0 +1,51 @@
+#pragma once
+// How light gets into the draw: traced in the update stage, fetched in the draw stage for what survived culling.
+
+#include "pie/engine/engine.h"
+
+#include <osg/Array>
+#include <osg/Callback>
+#include <osg/Drawable>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace osgpie {
+
+/// Update callback of the level's root: one step of the engine per frame, however many views traverse it.
+class AdvanceCallback : public osg::NodeCallback {
+public:
+    explicit AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
+    void operator()(osg::Node* node, osg::NodeVisitor* visitor) override;
+
+private:
+    std::shared_ptr<pie::engine::Engine> engine_;
+    unsigned lastFrame_ = 0;
+    bool started_ = false;
+};
+
+/// Draw callback of a lit drawable: asks for the irradiance of its receivers when the light has changed, writes it into
+/// the colour array and draws. OSG draws in other threads than it updates in, and several contexts may draw one
+/// drawable at once: a mutex covers fetching, uploading and drawing.
+class IrradianceCallback : public osg::Drawable::DrawCallback {
+public:
+    /// `receivers`: those of the drawable, each once; `receiverOfVertex`: place in that list for each element of
+    /// `colours`. `scale` turns irradiance into colour values.
+    IrradianceCallback(std::shared_ptr<pie::engine::Engine> engine, std::vector<std::uint32_t> receivers,
+                       std::vector<std::uint32_t> receiverOfVertex, osg::ref_ptr<osg::Vec4Array> colours, float scale);
+    void drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const override;
+    /// Brings the colours up to date; whether they changed. Called by the draw; for writers of files also without one.
+    bool refresh() const;
+
+private:
+    std::shared_ptr<pie::engine::Engine> engine_;
+    std::vector<std::uint32_t> receivers_, receiverOfVertex_;
+    osg::ref_ptr<osg::Vec4Array> colours_;
+    float scale_;
+    mutable std::mutex mutex_;
+    mutable std::vector<pie::Rgb> irradiance_;
+    mutable std::uint64_t revision_ = 0;
+};
+
+} // namespace osgpie
