@@ -1,1 +1,235 @@
 #include "pie/scene/mesh.h"
+
+#include "pie/core/parallel.h"
+#include "pie/scene/geometry.h"
+#include "pie/scene/point_grid.h"
+#include "pie/scene/topology.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace pie::scene {
+namespace {
+
+bool drawn(const level::Level& level, const level::Surface& surface) {
+    if (surface.shader >= level.shaders.size()) return false;
+    const level::Shader& shader = level.shaders[surface.shader];
+    if (shader.parms.sky || !shader.drawn()) return false;
+    return surface.model >= level.models.size() || level.models[surface.model].drawn;
+}
+
+/// An edge ends where a vertex may be that counts as one of its ends; short edges must not lose their whole length.
+double reach(double length, double tolerance) { return std::min(tolerance, 0.01 * length); }
+
+/// A position in the interior of an edge.
+struct Junction {
+    std::uint32_t position = Topology::none;
+    float share = 0; ///< of the way from a to b
+};
+
+/// The junction nearest to the middle of the edge, so that the pieces come out even.
+Junction findJunction(const Topology& topology, std::uint32_t e, const PointGrids& grids, double tolerance) {
+    Junction found;
+    const Topology::Edge& edge = topology.edge(e);
+    if (edge.count == 0) return found;
+    const Vec3 a = topology.positions()[edge.a];
+    const Vec3 b = topology.positions()[edge.b];
+    const glm::dvec3 along = glm::dvec3(b) - glm::dvec3(a);
+    const double squared = glm::dot(along, along);
+    if (!(squared > 0) || !std::isfinite(squared)) return found;
+    const double length = std::sqrt(squared);
+    const double radius = reach(length, tolerance);
+    const double end = radius / length;
+    double best = std::numeric_limits<double>::infinity();
+    grids.forLength(length).nearSegment(a, b, radius, [&](const PointGrid::Entry& entry) {
+        const glm::dvec3 d = glm::dvec3(entry.position) - glm::dvec3(a);
+        const double t = glm::dot(d, along) / squared;
+        if (!(t > end && t < 1.0 - end)) return;
+        const glm::dvec3 off = d - t * along;
+        if (glm::dot(off, off) >= radius * radius) return;
+        const double fromMiddle = std::abs(t - 0.5);
+        if (fromMiddle < best || (fromMiddle == best && entry.point < found.position)) {
+            best = fromMiddle;
+            found = {entry.point, static_cast<float>(t)};
+        }
+    });
+    return found;
+}
+
+double meanLength(const Topology& topology) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::uint32_t e = 0; e < topology.edgeCount(); ++e) {
+        if (topology.edge(e).count == 0) continue;
+        sum += std::sqrt(topology.squaredLength(e));
+        ++count;
+    }
+    return count == 0 ? 1.0 : sum / static_cast<double>(count);
+}
+
+/// Closing makes no new positions, so it comes to an end: every split ends an edge at a point that was there before.
+std::size_t close(Topology& topology, double tolerance, std::size_t maxTriangles) {
+    if (!(tolerance > 0)) return 0;
+    const PointGrids grids(topology.positions(), 0.5 * meanLength(topology));
+    std::vector<Junction> junctions(topology.edgeCount());
+    parallelChunks(junctions.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e)
+            junctions[e] = findJunction(topology, static_cast<std::uint32_t>(e), grids, tolerance);
+    });
+    std::size_t closed = 0;
+    std::vector<std::uint32_t> waiting;
+    const auto closeAt = [&](std::uint32_t e, const Junction& junction) {
+        if (junction.position == Topology::none || topology.edge(e).count == 0) return;
+        if (topology.triangleCount() + topology.edge(e).count > maxTriangles) return;
+        topology.split(e, junction.position, junction.share, waiting);
+        ++closed;
+    };
+    for (std::uint32_t first = 0; first < junctions.size(); ++first) {
+        closeAt(first, junctions[first]);
+        while (!waiting.empty()) {
+            const std::uint32_t e = waiting.back();
+            waiting.pop_back();
+            closeAt(e, findJunction(topology, e, grids, tolerance));
+        }
+    }
+    return closed;
+}
+
+/// Edges by length, longest first, older before newer: one integer each, so that a heap of them is quick.
+class EdgeQueue {
+public:
+    EdgeQueue(const Topology& topology, float limit) : topology_(topology), squaredLimit_(limit * limit) {
+        for (std::uint32_t e = 0; e < topology.edgeCount(); ++e) {
+            const std::uint64_t key = keyOf(e);
+            if (key != 0) heap_.push_back(key);
+        }
+        std::make_heap(heap_.begin(), heap_.end());
+        queued_.assign(topology.edgeCount(), true);
+    }
+
+    void offer(std::uint32_t e) {
+        if (queued_.size() < topology_.edgeCount()) queued_.resize(topology_.edgeCount(), false);
+        const std::uint64_t key = keyOf(e);
+        if (queued_[e] || key == 0) return;
+        queued_[e] = true;
+        heap_.push_back(key);
+        std::push_heap(heap_.begin(), heap_.end());
+    }
+
+    /// The longest edge that some triangle still has, or none.
+    std::uint32_t take() {
+        while (!heap_.empty()) {
+            std::pop_heap(heap_.begin(), heap_.end());
+            const auto e = ~static_cast<std::uint32_t>(heap_.back());
+            heap_.pop_back();
+            queued_[e] = false;
+            if (topology_.edge(e).count != 0) return e;
+        }
+        return Topology::none;
+    }
+
+private:
+    /// Bits of a positive float grow with its value. 0: nothing to do.
+    [[nodiscard]] std::uint64_t keyOf(std::uint32_t e) const {
+        const float squared = topology_.squaredLength(e);
+        if (topology_.edge(e).count == 0 || !(squared > squaredLimit_) || !std::isfinite(squared)) return 0;
+        return std::uint64_t{std::bit_cast<std::uint32_t>(squared)} << 32U | static_cast<std::uint32_t>(~e);
+    }
+
+    const Topology& topology_;
+    float squaredLimit_;
+    std::vector<std::uint64_t> heap_;
+    std::vector<bool> queued_;
+};
+
+/// True when it stopped because no edge is left to split.
+bool splitLongest(Topology& topology, const RefineOptions& options, float limit, std::size_t& splits) {
+    EdgeQueue queue(topology, limit);
+    std::vector<std::uint32_t> touched;
+    while (splits < options.maxSplits) {
+        const std::uint32_t e = queue.take();
+        if (e == Topology::none) return true;
+        if (topology.triangleCount() + topology.edge(e).count > options.maxTriangles) return false;
+        const std::uint32_t position = topology.middle(e);
+        if (position == Topology::none) continue;
+        touched.clear();
+        splits += topology.split(e, position, 0.5F, touched);
+        for (const std::uint32_t t : touched) queue.offer(t);
+    }
+    return false;
+}
+
+float longestEdge(const Topology& topology) {
+    float squared = 0;
+    for (std::uint32_t e = 0; e < topology.edgeCount(); ++e)
+        if (topology.edge(e).count != 0) squared = std::max(squared, topology.squaredLength(e));
+    return std::sqrt(squared);
+}
+
+} // namespace
+
+Mesh makeMesh(const level::Level& level) {
+    Mesh mesh;
+    mesh.vertices.reserve(level.vertices.size());
+    mesh.triangles.reserve(level.indices.size() / 3);
+    constexpr std::uint32_t unset = 0xffffffffU;
+    std::vector<std::uint32_t> copyOf(level.vertices.size(), unset);
+    std::vector<std::uint32_t> copied; // of this surface
+    for (std::size_t s = 0; s < level.surfaces.size(); ++s) {
+        const level::Surface& surface = level.surfaces[s];
+        if (!drawn(level, surface)) continue;
+        for (std::size_t i = surface.firstIndex; i + 2 < std::size_t{surface.firstIndex} + surface.indexCount; i += 3) {
+            const std::array<std::uint32_t, 3> from{level.indices[i], level.indices[i + 1], level.indices[i + 2]};
+            if (withoutArea(level.vertices[from[0]].position, level.vertices[from[1]].position,
+                            level.vertices[from[2]].position))
+                continue;
+            MeshTriangle& triangle = mesh.triangles.emplace_back();
+            triangle.surface = static_cast<std::uint32_t>(s);
+            for (std::size_t k = 0; k < 3; ++k) {
+                std::uint32_t& copy = copyOf[from[k]];
+                if (copy == unset) {
+                    copy = static_cast<std::uint32_t>(mesh.vertices.size());
+                    mesh.vertices.push_back(level.vertices[from[k]]);
+                    copied.push_back(from[k]);
+                }
+                triangle.vertices[k] = copy;
+            }
+        }
+        for (const std::uint32_t v : copied) copyOf[v] = unset;
+        copied.clear();
+    }
+    return mesh;
+}
+
+RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
+    RefineStatistics statistics;
+    Topology topology(mesh);
+    const bool byLength = options.maxEdge < std::numeric_limits<float>::infinity();
+    const bool byCount = options.maxSplits != std::numeric_limits<std::size_t>::max();
+    const float limit = byLength ? std::max(options.maxEdge, 0.0F) : 0.0F;
+    constexpr double tolerance = 0.01;
+    if (options.maxSplits > 0 && (byLength || byCount)) {
+        statistics.tJunctions = close(topology, tolerance, options.maxTriangles);
+        // Where surfaces cross, a new edge can pass an old vertex, and closing that leaves edges a tolerance longer.
+        for (bool done = false; !done;) {
+            done = !splitLongest(topology, options, limit, statistics.splits);
+            const std::size_t closed = close(topology, tolerance, options.maxTriangles);
+            statistics.tJunctions += closed;
+            done = done || closed == 0;
+        }
+    }
+    statistics.longestEdge = longestEdge(topology);
+    topology.finish();
+    return statistics;
+}
+
+std::size_t closeTJunctions(Mesh& mesh, float tolerance) {
+    Topology topology(mesh);
+    const std::size_t closed = close(topology, tolerance, RefineOptions{}.maxTriangles);
+    topology.finish();
+    return closed;
+}
+
+} // namespace pie::scene
