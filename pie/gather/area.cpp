@@ -1,1 +1,204 @@
-// area
+#include "pie/gather/area.h"
+
+#include "pie/core/parallel.h"
+#include "pie/gather/area_shape.h"
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace pie::gather {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+/// A triangle clipped by the two planes of the slice has at most five corners.
+struct Polygon {
+    std::array<dvec3, 8> corners;
+    std::size_t count = 0;
+};
+
+/// Keeps the part with dot(p, normal) · sign <= limit.
+void clip(Polygon& polygon, const dvec3& normal, double sign, double limit) {
+    Polygon kept;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+        const dvec3& a = polygon.corners[i];
+        const dvec3& b = polygon.corners[i + 1 < polygon.count ? i + 1 : 0];
+        const double da = limit - sign * glm::dot(a, normal);
+        const double db = limit - sign * glm::dot(b, normal);
+        if (da >= 0) kept.corners[kept.count++] = a;
+        if ((da > 0 && db < 0) || (da < 0 && db > 0)) kept.corners[kept.count++] = a + (b - a) * (da / (da - db));
+    }
+    polygon = kept;
+}
+
+float squaredDistance(const Box& box, const Vec3& point) {
+    const Vec3 outside = glm::max(glm::max(box.lower - point, point - box.upper), Vec3(0.0F));
+    return glm::dot(outside, outside);
+}
+
+/// Numbers of triangles that repeat an earlier one: same corners, same facing.
+std::vector<bool> findDuplicates(const scene::Scene& scene) {
+    const auto key = [&](std::uint32_t t) {
+        std::array<std::uint32_t, 3> v = scene.triangles[t].vertices;
+        std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+        return v;
+    };
+    std::vector<std::uint32_t> order(scene.triangles.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const auto ka = key(a);
+        const auto kb = key(b);
+        return ka < kb || (ka == kb && a < b);
+    });
+    std::vector<bool> duplicate(order.size(), false);
+    for (std::size_t i = 1; i < order.size(); ++i) duplicate[order[i]] = key(order[i]) == key(order[i - 1]);
+    return duplicate;
+}
+
+float usableRadius(const scene::Scene& scene, float wanted) {
+    const float diagonal = glm::length(scene.bounds.size());
+    if (!(wanted > 0.0F)) return 0.0F;
+    return diagonal > 0.0F ? std::min(wanted, diagonal) : wanted;
+}
+
+} // namespace
+
+Vec3 litNormal(const scene::Scene& scene, const photons::Photon& photon) {
+    const Vec3& normal = scene.normals[photon.triangle];
+    if (!scene.material(photon.triangle).twoSided) return normal;
+    return glm::dot(photon.direction, normal) > 0.0F ? -normal : normal;
+}
+
+TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius)
+    : scene_(scene), kernel_(kernel), slice_(slice), maxRadius_(usableRadius(scene, maxRadius)) {
+    // Cells about as wide as the ball, but no more of them than a few per triangle.
+    const Vec3 size = scene.bounds.size();
+    const float widest = std::max({size.x, size.y, size.z});
+    const auto triangles = static_cast<float>(std::max<std::size_t>(scene.triangles.size(), 1));
+    const float perAxis = std::clamp(std::ceil(2.0F * std::cbrt(triangles)), 1.0F, 256.0F);
+    cellSize_ = std::max({maxRadius_ * 0.5F, widest / perAxis, std::numeric_limits<float>::min()});
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        counts_[axis] =
+            static_cast<std::uint32_t>(std::clamp(size[static_cast<int>(axis)] / cellSize_, 0.0F, 255.0F)) + 1;
+
+    boxes_.resize(scene.triangles.size());
+    const std::vector<bool> duplicate = findDuplicates(scene);
+    std::vector<std::uint32_t> storing;
+    for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+        for (int i = 0; i < 3; ++i) boxes_[t].extend(scene.corner(t, i));
+        if (!duplicate[t] && scene.material(t).interaction != scene::Interaction::Sky && scene.normals[t] != Vec3(0.0F))
+            storing.push_back(static_cast<std::uint32_t>(t));
+    }
+
+    // Count, then place: cellBegin_[c] is where the list of cell c begins.
+    cellBegin_.assign(std::size_t{counts_[0]} * counts_[1] * counts_[2] + 1, 0);
+    const auto forEachCell = [&](std::uint32_t triangle, const auto& visit) {
+        const Cells cells = cellsOf(boxes_[triangle]);
+        for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
+            for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
+                for (std::uint32_t x = cells.first[0]; x <= cells.last[0]; ++x)
+                    visit((std::size_t{z} * counts_[1] + y) * counts_[0] + x);
+    };
+    for (const std::uint32_t t : storing) forEachCell(t, [&](std::size_t cell) { ++cellBegin_[cell + 1]; });
+    std::partial_sum(cellBegin_.begin(), cellBegin_.end(), cellBegin_.begin());
+    cellTriangles_.resize(cellBegin_.back());
+    std::vector<std::uint32_t> next(cellBegin_.begin(), cellBegin_.end() - 1);
+    for (const std::uint32_t t : storing) forEachCell(t, [&](std::size_t cell) { cellTriangles_[next[cell]++] = t; });
+}
+
+TrueArea::Cells TrueArea::cellsOf(const Box& box) const {
+    Cells cells;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<int>(axis);
+        const auto last = static_cast<float>(counts_[axis] - 1);
+        const auto at = [&](float x) {
+            return static_cast<std::uint32_t>(std::clamp((x - scene_.bounds.lower[i]) / cellSize_, 0.0F, last));
+        };
+        cells.first[axis] = at(box.lower[i]);
+        cells.last[axis] = at(box.upper[i]);
+    }
+    return cells;
+}
+
+/// Each triangle whose cells meet those of the box, once: in the first cell that both share.
+template <class Visit> void TrueArea::forEachNear(const Box& box, const Visit& visit) const {
+    const Cells cells = cellsOf(box);
+    for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
+        for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
+            for (std::uint32_t x = cells.first[0]; x <= cells.last[0]; ++x) {
+                const std::size_t cell = (std::size_t{z} * counts_[1] + y) * counts_[0] + x;
+                for (std::uint32_t i = cellBegin_[cell]; i < cellBegin_[cell + 1]; ++i) {
+                    const std::uint32_t triangle = cellTriangles_[i];
+                    const Cells own = cellsOf(boxes_[triangle]);
+                    if (x == std::max(cells.first[0], own.first[0]) && y == std::max(cells.first[1], own.first[1]) &&
+                        z == std::max(cells.first[2], own.first[2]))
+                        visit(triangle);
+                }
+            }
+}
+
+void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const float> radii,
+                         std::span<double> integrals) const {
+    std::fill(integrals.begin(), integrals.end(), 0.0);
+    float largest = 0;
+    for (const float radius : radii) largest = std::max(largest, radius);
+    if (cellTriangles_.empty() || !(largest > 0.0F) || !(glm::dot(point, point) >= 0.0F)) return;
+
+    const double thickness = static_cast<double>(slice_.halfThickness);
+    const dvec3 centre(point);
+    const dvec3 up(normal);
+    forEachNear({point - Vec3(largest), point + Vec3(largest)}, [&](std::uint32_t t) {
+        if (squaredDistance(boxes_[t], point) >= largest * largest) return;
+        const float cosine = glm::dot(scene_.normals[t], normal);
+        // The same test as SurfaceTest: of a two-sided surface, whichever side faces along the normal.
+        if (!((scene_.material(t).twoSided ? std::abs(cosine) : cosine) > slice_.minCosine)) return;
+
+        Polygon polygon;
+        double lowest = std::numeric_limits<double>::max();
+        double highest = std::numeric_limits<double>::lowest();
+        for (int i = 0; i < 3; ++i) {
+            const dvec3 corner = dvec3(scene_.corner(t, i)) - centre;
+            polygon.corners[polygon.count++] = corner;
+            lowest = std::min(lowest, glm::dot(corner, up));
+            highest = std::max(highest, glm::dot(corner, up));
+        }
+        if (lowest > thickness || highest < -thickness) return;
+
+        const dvec3 ab = polygon.corners[1] - polygon.corners[0];
+        const dvec3 facing = glm::cross(ab, polygon.corners[2] - polygon.corners[0]);
+        const double twiceArea = glm::length(facing);
+        if (!(twiceArea > 0)) return;
+        const dvec3 n = facing / twiceArea;
+        const dvec3 u = ab / glm::length(ab);
+        const dvec3 v = glm::cross(n, u);
+        const double height = glm::dot(polygon.corners[0], n);
+        if (highest > thickness) clip(polygon, up, 1, thickness);
+        if (lowest < -thickness) clip(polygon, up, -1, thickness);
+
+        std::array<dvec2, 8> flat;
+        for (std::size_t i = 0; i < polygon.count; ++i)
+            flat[i] = {glm::dot(polygon.corners[i], u), glm::dot(polygon.corners[i], v)};
+        for (std::size_t i = 0; i < radii.size(); ++i)
+            integrals[i] += std::max(0.0, integrate({kernel_, height, static_cast<double>(radii[i])},
+                                                    std::span(flat.data(), polygon.count)));
+    });
+}
+
+double TrueArea::integral(const Vec3& point, const Vec3& normal, float radius) const {
+    double result = 0;
+    integrals(point, normal, {&radius, 1}, {&result, 1});
+    return result;
+}
+
+std::size_t TrueArea::bytes() const {
+    return cellBegin_.capacity() * sizeof(std::uint32_t) + cellTriangles_.capacity() * sizeof(std::uint32_t) +
+           boxes_.capacity() * sizeof(Box);
+}
+
+} // namespace pie::gather

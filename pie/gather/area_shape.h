@@ -1,0 +1,28 @@
+#pragma once
+// The integral of a radial kernel over a convex polygon cut with a disc about the origin: what TrueArea sums up.
+
+#include "pie/gather/kernel.h"
+
+#include <glm/vec2.hpp>
+
+#include <span>
+
+namespace pie::gather {
+
+/// The kernel of radius `radius` as it appears in a plane at distance `height` from the receiver, about the foot of the
+/// receiver.
+struct PlaneKernel {
+    Kernel kernel;
+    double height;
+    double radius;
+
+    /// ∫ kernel · ρ dρ from 0 to `distance`: the integral over a sector per radian.
+    [[nodiscard]] double sectorPerRadian(double distanceSquared) const;
+    /// Over the triangle (origin, a, b), which lies within the disc. Signed: positive when a → b turns left.
+    [[nodiscard]] double triangle(const glm::dvec2& a, const glm::dvec2& b) const;
+};
+
+/// The integral over polygon ∩ disc; signed by the polygon's turn.
+[[nodiscard]] double integrate(const PlaneKernel& kernel, std::span<const glm::dvec2> polygon);
+
+} // namespace pie::gather
