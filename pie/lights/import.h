@@ -1,6 +1,10 @@
 #pragma once
 // Lights of a Quake 3 level: light entities (of the BSP, or of the .map beside it), emissive shaders, suns and sky
-// light of sky shaders. Formulas: doc/algorithms/lights.md. A level without any gets a stated fallback.
+// light of sky shaders. Formulas: doc/algorithms/lights.md.
+//
+// A level without any light gets a stated fallback: one soft point light 64 units above every player start, or one in
+// the middle of the level if there is none, together 64 watts for every square unit of the scene's surfaces, so that
+// textures appear about as they are drawn.
 
 #include "pie/level/level.h"
 #include "pie/lights/light.h"
@@ -24,6 +28,8 @@ struct ImportedLights {
     std::string sources;               ///< "entities of oa_dm1.map and scripts", "scripts", "fallback"
     std::vector<std::string> warnings; ///< what is not emulated, once each
     bool fallback = false;
+    Rgb ambient{0.0F};  ///< worldspawn _color × ambient: the level compiler adds this irradiance (U) everywhere
+    Rgb minLight{0.0F}; ///< worldspawn _color × _minlight: floor of the irradiance (U) at output
     /// "60 point, 14 area, 1 sun; from entities and scripts"
     [[nodiscard]] std::string summary() const;
 };

@@ -4,13 +4,16 @@
 //
 // Each kind offers the same two operations (free functions over the variant, below): `emit` makes a photon,
 // `illuminate` gives the irradiance at a point before visibility. Both describe the same light: a test compares them
-// for every kind.
+// for every kind. What the level compiler does beyond physics (a smallest distance, no cosine, linear falloff, the rim
+// of a spot in units) depends on where the light arrives: `arrivalFactor` says by how much a photon's flux changes at
+// its first surface.
 
 #include "pie/core/vec.h"
 #include "pie/scene/scene.h"
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -32,7 +35,9 @@ struct PointLight {
     Rgb power{0.0F};
     Falloff falloff;
 };
-/// Uniformly radiating sphere: a soft point light.
+/// A sphere whose points radiate alike in all directions: a soft point light. Being a shell of point sources it gives
+/// exactly what a point light in its centre gives wherever all of it is above the horizon (Newton's shell theorem: the
+/// irradiance is the normal component of an inverse-square field), and it still shines on what reaches into it.
 struct SphereLight {
     Vec3 position{0.0F};
     Rgb power{0.0F};
@@ -73,11 +78,23 @@ struct SkyLight {
 
 using Light = std::variant<PointLight, SphereLight, SpotLight, SunLight, AreaLight, SkyLight>;
 
-/// Where the sun and the sky come in: sky triangles of the scene, for choosing points on them by projected area.
+/// Where the sun and the sky come in: sky triangles of the scene, for choosing points on them by projected area. Light
+/// enters on the front side of a triangle, when the sun is behind it. Made by `skyPortals`.
 struct SkyPortals {
-    std::vector<std::uint32_t> triangles; ///< Scene::triangles with Interaction::Sky
+    std::vector<std::uint32_t> triangles; ///< Scene::triangles with Interaction::Sky, those of a group together
     Box bounds;                           ///< of the scene
+    /// Triangles of one orientation: within it the projected area is proportional to the area for every direction.
+    struct Group {
+        Vec3 normal{0.0F};
+        double area = 0;
+        std::uint32_t first = 0, count = 0; ///< of `triangles`
+    };
+    std::vector<Group> groups;
+    std::vector<double> cumulative; ///< per triangle: area share up to and including it within its group; ends with 1
 };
+[[nodiscard]] SkyPortals skyPortals(const scene::Scene& scene);
+/// Area that light from `towards` enters through, square units, seen along the light.
+[[nodiscard]] double projectedArea(const SkyPortals& portals, const Vec3& towards);
 
 /// A ray of light as it leaves the source.
 struct Emission {
@@ -85,6 +102,8 @@ struct Emission {
     Vec3 direction{0.0F};
     Rgb flux{0.0F}; ///< watts; the mean over all u is the light's power (for suns and skies: what enters through the
                     ///< portals)
+    const Falloff* falloff = nullptr;                       ///< of the light, while that lives; null: physical
+    float rimRate = std::numeric_limits<float>::infinity(); ///< spots: share of full intensity gained per unit of way
 };
 
 /// What a receiver would get along one way, before visibility.
@@ -97,16 +116,29 @@ struct Illumination {
 };
 
 [[nodiscard]] std::string_view kindName(const Light& light); ///< "point", "sphere", "spot", "sun", "area", "sky"
-/// Flux in watts per channel that enters the level.
+/// An area light from its corners (convex, planar, counter-clockwise seen from the lit side). Fewer than three corners
+/// or no area: an area of 0 and so no light.
+[[nodiscard]] AreaLight makeAreaLight(std::vector<Vec3> corners, const Rgb& radiosity, bool twoSided = false,
+                                      std::uint32_t surface = 0xffffffffU);
+/// How far off its surface a point may lie by rounding, and so how far in front of it rays start: 64 units in the last
+/// place of the largest coordinate involved (0.03 units at 4096, 7e-9 in a level 0.001 wide).
+[[nodiscard]] inline float surfaceOffset(float largestCoordinate) { return 0x1p-17F * largestCoordinate; }
+[[nodiscard]] float largestCoordinate(const Box& bounds, const Vec3& point);
+
+/// Flux in watts per channel that enters the level. For what has no physical flux (linear falloff) the largest that
+/// arrives at any distance; a spot counts as if its rim had no width.
 [[nodiscard]] Rgb power(const Light& light, const scene::Scene& scene, const SkyPortals& portals);
 /// `u`: four numbers in [0, 1): direction (0, 1) and place (2, 3).
 [[nodiscard]] Emission emit(const Light& light, const scene::Scene& scene, const SkyPortals& portals,
                             const std::array<float, 4>& u);
+/// What the photon's flux is multiplied by at the first surface it meets, `distance` from its origin, under `cosine`
+/// (0 to 1) between its direction and the surface's normal. 1 for physical lights; infinite distance is allowed.
+[[nodiscard]] float arrivalFactor(const Emission& emission, float distance, float cosine);
 /// Sample points of soft sources are chosen by `u`. `twoSided`: light from behind counts as well.
 [[nodiscard]] Illumination illuminate(const Light& light, const Vec3& point, const Vec3& normal, bool twoSided,
                                       const Vec2& u);
 /// How many samples of `u` a soft source deserves; 1 for point, spot and sharp suns; the number of directions for
-/// skies.
+/// skies (a sky takes direction floor(u.x · n), so strata in u.x meet each once).
 [[nodiscard]] unsigned sampleCount(const Light& light);
 
 } // namespace pie::lights

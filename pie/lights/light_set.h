@@ -1,6 +1,15 @@
 #pragma once
 // All lights of a scene, and the choice between them for a photon. Light i of n gets photons in proportion to its
-// power; which light and which point of its own Halton sequence a photon index means is a pure function of the index.
+// power; which light and which point of its own sequence a photon index means is a pure function of the index.
+//
+// Halton dimension 0 picks the light from the cumulative power shares; dimensions 1 to 4 are used as they are. The
+// photons of a light with share [a, b) are those with Φ2(index) in [a, b): cut at multiples of 2^-k, each piece is
+// every 2^k-th index, and since 2^k has no factor 3, 5, 7 or 11, any b^j consecutive ones of those fall one into each
+// of the b^j spans of every other dimension. So each light sees a well-distributed sequence of its own without a count
+// per light, nothing is rescaled (the remap of selective photon tracing, 4.1, loses digits), and indices that differ by
+// a multiple of 2^k0 3^k1 5^k2 … still follow similar paths from the same light (eq 5).
+//
+// A sky counts as one entry per direction, so that dimension 0 chooses the direction as well.
 
 #include "pie/lights/light.h"
 #include "pie/sampling/halton.h"
@@ -13,20 +22,33 @@ namespace pie::lights {
 class LightSet {
 public:
     LightSet() = default;
+    /// Lights without power, or with one that is not finite, stay in the list and emit nothing. Negative lights (the
+    /// level compiler knows them) are chosen by their absolute power and send negative flux.
     LightSet(std::vector<Light> lights, std::shared_ptr<const scene::Scene> scene);
 
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }
-    [[nodiscard]] Rgb totalPower() const { return totalPower_; } ///< watts
-    [[nodiscard]] bool empty() const { return meanChannel(totalPower_) <= 0.0F; }
+    [[nodiscard]] Rgb totalPower() const { return totalPower_; }  ///< watts
+    [[nodiscard]] bool empty() const { return entries_.empty(); } ///< nothing to emit
     [[nodiscard]] const SkyPortals& portals() const { return portals_; }
     /// Light that photon `index` comes from and the ray it starts on. `flux` is the light's power over the probability
-    /// of choosing it: divide by the number of photons emitted. Uses Halton dimensions 0 (light) to 4.
-    [[nodiscard]] Emission emit(const sampling::Halton& halton, std::uint64_t index) const;
+    /// of choosing it: divide by the number of photons emitted. Uses Halton dimensions 0 (light) to 4. `light`, when
+    /// given, receives its number in `lights()`. Not to be called when empty().
+    [[nodiscard]] Emission emit(const sampling::Halton& halton, std::uint64_t index,
+                                std::uint32_t* light = nullptr) const;
     static constexpr unsigned dimensions = 5;
 
 private:
+    struct Entry {
+        std::uint32_t light = 0;
+        std::uint32_t direction = 0; ///< of a sky
+        double scale = 0;            ///< one over the probability of choosing it
+    };
+    [[nodiscard]] const Entry& choose(float u) const;
+
     std::vector<Light> lights_;
-    std::vector<double> cumulative_; ///< of power shares, ends with 1
+    std::vector<Entry> entries_;
+    std::vector<double> cumulative_;   ///< of power shares per entry, ends with 1
+    std::vector<std::uint32_t> guide_; ///< first entry that can be meant, by the leading bits of u
     std::shared_ptr<const scene::Scene> scene_;
     SkyPortals portals_;
     Rgb totalPower_{0.0F};

@@ -1,10 +1,15 @@
 #pragma once
 // The photon tracer (pi-engine 3.1.1, 5.2, fig 5.3). It is handed photon indices, never counts; tracing index 17 twice
-// gives the same path, on any number of threads, in any order: every random number is halton(index, dimension).
+// gives the same path, on any number of threads, in any order: every random number is halton(index, dimension), with
+// dimensions 0 to 4 for the emission and three more for every bounce (two for the direction, one for roulette).
 //
-// Batches of paths advance together, bounce by bounce, so that the intersector gets many rays per call. The next ray
-// starts at a point moved back along the incoming direction, not along the normal (fig 5.4: in narrow corners the
-// normal leads outside).
+// Batches of paths advance together, so that the intersector gets many rays per call. The next ray starts at a point
+// moved back along the incoming direction, not along the normal (fig 5.4: in narrow corners the normal leads outside).
+// The step is as small as the precision of the coordinates allows and never reaches behind the ray's own origin.
+//
+// A one-sided surface stores and reflects light on its front only and absorbs what comes from behind; a two-sided one
+// does both on both sides. A filter surface lets a photon pass by roulette and is opaque to the rest. Sky lets it go.
+// A light that lies on a surface shines to both sides of it.
 
 #include "pie/intersect/intersector.h"
 #include "pie/lights/light_set.h"
@@ -18,21 +23,36 @@ namespace pie::photons {
 
 struct TracerOptions {
     enum class Scattering : std::uint8_t {
-        RussianRoulette, ///< one photon goes on with probability = reflectance: few rays, equal powers
+        /// One photon goes on, with the probability that keeps its largest channel: few rays, equal powers. Where
+        /// direct light is not stored the first reflection always survives and carries the reflectance in its flux:
+        /// that nearly doubles the photons stored per ray.
+        RussianRoulette,
         Splitting, ///< the paper's: `diffuseReflections` photons go on, each with reflectance / diffuseReflections of
                    ///< the power
     };
     Scattering scattering = Scattering::RussianRoulette;
-    unsigned diffuseReflections = 36; ///< Splitting only; of the first hit; further hits send on one each … see source
-    unsigned recursionDepth = 8;      ///< bounces at most; 0: direct light only
-    bool storeDirectLight = false;    ///< store first hits as well (needed unless direct light comes from shadow rays)
+    /// Splitting only: photons that every hit sends on, as in fig 5.3. Hits deeper than maxPathsPerPhoton allows (36:
+    /// from the third on) send on one each, so that a photon costs at most maxPathsPerPhoton × recursionDepth rays. The
+    /// numbers of child j are those of the photon's index, shifted to point j of a Hammersley set: the children of a
+    /// hit are stratified among themselves.
+    unsigned diffuseReflections = 36;
+    unsigned recursionDepth = 8;   ///< bounces at most; 0: direct light only
+    bool storeDirectLight = false; ///< store first hits as well (needed unless direct light comes from shadow rays)
     std::uint64_t seed = 0;
 };
 
+/// Paths one photon may branch into (Splitting).
+inline constexpr unsigned maxPathsPerPhoton = 4096;
+
 struct TraceCounts {
-    std::uint64_t emitted = 0, rays = 0, stored = 0, escaped = 0, absorbed = 0, filtered = 0;
-    /// Watts per channel, for the books: emitted = absorbed + escaped (+ cut off at recursionDepth).
+    std::uint64_t emitted = 0, rays = 0, stored = 0;
+    std::uint64_t escaped = 0, absorbed = 0, cut = 0; ///< how paths ended: left the level, swallowed, recursionDepth
+    std::uint64_t backHits = 0;                       ///< of `absorbed`: on the back of a one-sided surface
+    std::uint64_t filtered = 0;                       ///< filter surfaces passed
+    /// Watts per channel, for the books: emitted = absorbed + escaped + cut, up to rounding of the sums. What roulette
+    /// and the compiler's falloff add to or take from a photon is booked under `absorbed`.
     double emittedFlux[3]{}, absorbedFlux[3]{}, escapedFlux[3]{}, cutFlux[3]{};
+    TraceCounts& operator+=(const TraceCounts& other);
 };
 
 class PhotonTracer {
@@ -50,6 +70,7 @@ private:
     const intersect::Intersector& intersector_;
     TracerOptions options_;
     sampling::Halton halton_;
+    float reach_ = 0; ///< largest coordinate of the scene
 };
 
 } // namespace pie::photons

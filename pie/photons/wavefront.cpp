@@ -1,0 +1,245 @@
+#include "pie/photons/wavefront.h"
+#include "pie/sampling/directions.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pie::photons {
+namespace {
+
+using intersect::Hit;
+using intersect::Ray;
+
+constexpr unsigned dimensionsPerBounce = 3;
+constexpr std::uint32_t maxCrossings = 256; // then a filter surface counts as opaque: every path ends
+constexpr float smallestCosine = 1.0F / 64; // bounds the step back at grazing hits
+
+void book(double (&sum)[3], const Rgb& flux) {
+    sum[0] += static_cast<double>(flux.x);
+    sum[1] += static_cast<double>(flux.y);
+    sum[2] += static_cast<double>(flux.z);
+}
+/// What a photon had less what it goes on with.
+void bookLoss(double (&sum)[3], const Rgb& before, const Rgb& after) {
+    sum[0] += static_cast<double>(before.x) - static_cast<double>(after.x);
+    sum[1] += static_cast<double>(before.y) - static_cast<double>(after.y);
+    sum[2] += static_cast<double>(before.z) - static_cast<double>(after.z);
+}
+
+float fraction(double x) { return std::min(static_cast<float>(x - std::floor(x)), 0x1.fffffep-1F); }
+
+/// Child `j` of `count` of the branch: the photon's own numbers moved by point j of a Hammersley set, and by a
+/// point of the R2 lattice per branch so that sister branches do not repeat each other.
+Vec2 childNumbers(const Vec2& u, std::uint32_t j, std::uint32_t count, std::uint32_t branch) {
+    return {fraction(u.x + static_cast<double>(j) / count + branch * 0.7548776662466927),
+            fraction(u.y + static_cast<double>(sampling::radicalInverse(j, 0)) + branch * 0.5698402909980532)};
+}
+
+Rgb times(const Rgb& flux, double factor) {
+    return {static_cast<float>(flux.x * factor), static_cast<float>(flux.y * factor),
+            static_cast<float>(flux.z * factor)};
+}
+
+} // namespace
+
+/// What a step reads and what it leaves for the next.
+struct Wavefront::Step {
+    WavefrontResult& result;
+    std::uint64_t first = 0;
+    std::vector<lights::Emission> emissions;
+    std::vector<Path> paths, nextPaths;
+    std::vector<Ray> rays, nextRays;
+    std::vector<Hit> hits;
+};
+
+void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) const {
+    std::vector<std::uint32_t> place(indices + 1, 0);
+    for (const std::uint32_t i : owner) ++place[i + 1];
+    for (std::size_t i = 0; i < indices; ++i) place[i + 1] += place[i];
+    for (std::size_t i = 0; i < photons.size(); ++i) {
+        const std::uint32_t to = place[owner[i]]++;
+        out[to] = photons[i];
+        out[to].id = firstId + to;
+    }
+}
+
+Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
+                     const intersect::Intersector& intersector, const TracerOptions& options,
+                     const sampling::Halton& halton, float reach, std::uint64_t total)
+    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(halton), reach_(reach),
+      perPhoton_(1.0 / static_cast<double>(std::max<std::uint64_t>(1, total))) {
+    if (options.scattering != TracerOptions::Scattering::Splitting) return;
+    const std::uint32_t wanted = std::clamp(options.diffuseReflections, 1U, maxPathsPerPhoton);
+    std::uint32_t paths = 1;
+    while (wanted > 1 && branches_.size() < options.recursionDepth && paths * wanted <= maxPathsPerPhoton)
+        branches_.push_back({wanted, paths *= wanted});
+}
+
+void Wavefront::run(std::uint64_t first, std::size_t count, WavefrontResult& result) const {
+    result.indices = count;
+    Step step{result, first, {}, {}, {}, {}, {}, {}};
+    emit(step, first, count);
+    while (!step.rays.empty()) {
+        step.hits.resize(step.rays.size());
+        intersector_.closest(step.rays, step.hits);
+        result.counts.rays += step.rays.size();
+        for (std::size_t i = 0; i < step.rays.size(); ++i) meet(step, step.paths[i], step.rays[i], step.hits[i]);
+        step.paths.swap(step.nextPaths);
+        step.rays.swap(step.nextRays);
+        step.nextPaths.clear();
+        step.nextRays.clear();
+    }
+    result.counts.stored = result.photons.size();
+}
+
+void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
+    step.emissions.reserve(count);
+    step.paths.reserve(count);
+    step.rays.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const lights::Emission emission = lights_.emit(halton_, first + i);
+        Path path;
+        path.flux = times(emission.flux, perPhoton_);
+        path.owner = static_cast<std::uint32_t>(i);
+        // What stands in free space may by chance lie on a surface: hits within rounding of it do not count.
+        const float tMin = emission.falloff != nullptr
+                               ? lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(emission.origin))))
+                               : 0.0F;
+        step.rays.push_back({emission.origin, tMin, emission.direction});
+        step.paths.push_back(path);
+        step.emissions.push_back(emission);
+        book(step.result.counts.emittedFlux, path.flux);
+    }
+    step.result.counts.emitted = count;
+}
+
+void Wavefront::meet(Step& step, const Path& arriving, const Ray& ray, const Hit& hit) const {
+    TraceCounts& counts = step.result.counts;
+    const scene::Material* material = hit.found() ? &scene_.material(hit.triangle) : nullptr;
+    if (material == nullptr || material->interaction == scene::Interaction::Sky) {
+        ++counts.escaped;
+        book(counts.escapedFlux, arriving.flux);
+        return;
+    }
+    Path path = arriving;
+    // A plane cannot meet a ray that left it: rounding.
+    if (hit.triangle == path.from && path.crossings < maxCrossings) return goOn(step, path, ray, hit.t);
+    if (material->interaction == scene::Interaction::Filter && path.crossings < maxCrossings &&
+        passes(step, path, hit)) {
+        ++counts.filtered;
+        return goOn(step, path, ray, hit.t);
+    }
+
+    Vec3 normal = scene_.normals[hit.triangle];
+    float cosine = -glm::dot(normal, ray.direction);
+    if (path.bounce == 0) {
+        const Rgb before = path.flux;
+        path.flux *= lights::arrivalFactor(step.emissions[path.owner], hit.t, std::abs(cosine));
+        bookLoss(counts.absorbedFlux, before, path.flux);
+    }
+    if (cosine < 0.0F && material->twoSided) {
+        normal = -normal;
+        cosine = -cosine;
+    }
+    if (!(cosine > 0.0F)) {
+        ++counts.absorbed;
+        ++counts.backHits;
+        book(counts.absorbedFlux, path.flux);
+        return;
+    }
+    if (path.bounce > 0 || options_.storeDirectLight) {
+        Photon photon;
+        photon.position = ray.origin + hit.t * ray.direction;
+        photon.direction = ray.direction;
+        photon.flux = path.flux;
+        photon.triangle = hit.triangle;
+        photon.bounce = static_cast<std::uint8_t>(std::min(path.bounce, 255U));
+        step.result.photons.push_back(photon);
+        step.result.owner.push_back(path.owner);
+    }
+    path.from = hit.triangle;
+    const float offset = lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(ray.origin))));
+    const float back = std::min(hit.t, offset / std::max(cosine, smallestCosine)); // fig 5.4
+    reflect(step, path, normal, ray.origin + (hit.t - back) * ray.direction, material->reflectance);
+}
+
+bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
+    const Rgb share = glm::clamp(scene_.transmittance(hit.triangle, hit.u, hit.v), 0.0F, 1.0F);
+    const Rgb through = path.flux * share;
+    const float whole = meanChannel(glm::abs(path.flux));
+    const float chance = whole > 0.0F ? std::min(1.0F, meanChannel(glm::abs(through)) / whole) : 0.0F;
+    const std::uint64_t where =
+        (std::uint64_t{path.branch} << 40U) ^ (std::uint64_t{path.bounce} << 16U) ^ path.crossings;
+    const bool passed = sampling::hash01((step.first + path.owner) ^ (halton_.seed() << 32U), where) < chance;
+    const Rgb before = path.flux;
+    if (passed)
+        path.flux = through / chance;
+    else if (chance > 0.0F)
+        path.flux = (path.flux - through) / (1.0F - chance);
+    bookLoss(step.result.counts.absorbedFlux, before, path.flux);
+    return passed;
+}
+
+void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t) const {
+    ++path.crossings;
+    Ray next = ray;
+    next.tMin = t + lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(ray.origin))));
+    if (!(next.tMin > t)) next.tMin = std::nextafter(t, std::numeric_limits<float>::infinity());
+    step.nextRays.push_back(next);
+    step.nextPaths.push_back(path);
+}
+
+void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin,
+                        const Rgb& reflectance) const {
+    TraceCounts& counts = step.result.counts;
+    const Rgb reflected = path.flux * glm::clamp(reflectance, 0.0F, 1.0F);
+    const float largest = maxChannel(glm::abs(reflected));
+    if (!(largest > 0.0F)) {
+        ++counts.absorbed;
+        book(counts.absorbedFlux, path.flux);
+        return;
+    }
+    if (path.bounce >= options_.recursionDepth) {
+        ++counts.cut;
+        book(counts.cutFlux, reflected);
+        bookLoss(counts.absorbedFlux, path.flux, reflected);
+        return;
+    }
+    const unsigned dimension = lights::LightSet::dimensions + dimensionsPerBounce * path.bounce;
+    const std::uint64_t index = step.first + path.owner;
+    Path next = path;
+    next.crossings = 0;
+    ++next.bounce;
+
+    if (options_.scattering == TracerOptions::Scattering::Splitting) {
+        const std::uint32_t children = path.bounce < branches_.size() ? branches_[path.bounce].children : 1;
+        const Vec2 u(halton_(index, dimension), halton_(index, dimension + 1));
+        next.flux = times(reflected, 1.0 / children);
+        for (std::uint32_t j = 0; j < children; ++j) {
+            next.branch = path.branch * children + j;
+            send(step, next, normal, origin, childNumbers(u, j, children, path.branch));
+        }
+        for (int c = 0; c < 3; ++c)
+            counts.absorbedFlux[c] += static_cast<double>(path.flux[c]) - static_cast<double>(next.flux[c]) * children;
+        return;
+    }
+    next.flux = reflected;
+    if (path.bounce > 0 || options_.storeDirectLight) {
+        const float chance = largest / maxChannel(glm::abs(path.flux));
+        if (halton_(index, dimension + 2) >= chance) {
+            ++counts.absorbed;
+            book(counts.absorbedFlux, path.flux);
+            return;
+        }
+        next.flux = reflected / chance;
+    }
+    bookLoss(counts.absorbedFlux, path.flux, next.flux);
+    send(step, next, normal, origin, {halton_(index, dimension), halton_(index, dimension + 1)});
+}
+
+void Wavefront::send(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Vec2& u) const {
+    step.nextRays.push_back({origin, 0.0F, Frame(normal).toWorld(sampling::cosineHemisphere(u))});
+    step.nextPaths.push_back(path);
+}
+
+} // namespace pie::photons

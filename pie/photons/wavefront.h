@@ -1,0 +1,60 @@
+#pragma once
+// One chunk of the tracer: the paths of consecutive photon indices advance together, one intersector call per step.
+// Internal to this folder.
+
+#include "pie/photons/tracer.h"
+
+namespace pie::photons {
+
+struct WavefrontResult {
+    std::vector<Photon> photons;      ///< in the order of tracing: step by step
+    std::vector<std::uint32_t> owner; ///< index of each, from the chunk's first
+    std::size_t indices = 0;
+    TraceCounts counts;
+
+    /// Writes the photons in index order, those of an index in the order of their bounces, and numbers them.
+    void writeTo(Photon* out, std::uint32_t firstId) const;
+};
+
+class Wavefront {
+public:
+    /// `total`: photons of the whole frame, by which flux is divided.
+    Wavefront(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
+              const TracerOptions& options, const sampling::Halton& halton, float reach, std::uint64_t total);
+    void run(std::uint64_t first, std::size_t count, WavefrontResult& result) const;
+    /// Paths an index can branch into.
+    [[nodiscard]] std::size_t widest() const { return branches_.empty() ? 1 : branches_.back().paths; }
+
+private:
+    struct Path {
+        Rgb flux{0.0F};
+        std::uint32_t owner = 0;                    ///< index, from the chunk's first
+        std::uint32_t branch = 0;                   ///< number among the paths of its index at this bounce
+        std::uint32_t bounce = 0;                   ///< reflections so far
+        std::uint32_t crossings = 0;                ///< hits passed since the last reflection
+        std::uint32_t from = intersect::noTriangle; ///< triangle that the ray left
+    };
+    struct Step;
+    /// Splitting: children of a hit at this depth, and paths of one index after it.
+    struct Branching {
+        std::uint32_t children = 1, paths = 1;
+    };
+
+    void emit(Step& step, std::uint64_t first, std::size_t count) const;
+    void meet(Step& step, const Path& path, const intersect::Ray& ray, const intersect::Hit& hit) const;
+    [[nodiscard]] bool passes(Step& step, Path& path, const intersect::Hit& hit) const;
+    void goOn(Step& step, Path path, const intersect::Ray& ray, float t) const;
+    void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance) const;
+    void send(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Vec2& u) const;
+
+    const scene::Scene& scene_;
+    const lights::LightSet& lights_;
+    const intersect::Intersector& intersector_;
+    const TracerOptions& options_;
+    const sampling::Halton& halton_;
+    float reach_;
+    double perPhoton_; ///< one over the photons of the frame
+    std::vector<Branching> branches_;
+};
+
+} // namespace pie::photons
