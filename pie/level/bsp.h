@@ -126,6 +126,10 @@ struct Bsp {
 /// `fileName` is used in messages only. The Error names lump, record index and field.
 [[nodiscard]] Result<Bsp> readBsp(std::span<const std::byte> bytes, const std::string& fileName);
 [[nodiscard]] std::vector<std::byte> writeBsp(const Bsp& bsp);
+/// What a file that starts with these bytes is; at least the first 8 are looked at. Only Quake3 is read here; a Source
+/// level ("VBSP") is for OSG's own reader.
+enum class Format { Quake3, QuakeLiveOrWolfenstein, Quake2, Quake1, Raven, Fusion, Source, Text, Archive, Unknown };
+[[nodiscard]] Format recognise(std::span<const std::byte> bytes);
 /// "IBSP 46" and the like, with the game it belongs to; says what it saw when the magic is unknown.
 [[nodiscard]] std::string dialect(std::span<const std::byte> bytes);
 

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -123,20 +124,23 @@ struct Level {
     std::vector<std::uint32_t> indices;
     std::vector<Surface> surfaces; ///< drawn and undrawn ones (sky, nodraw): see Shader::drawn and Model::drawn
     std::vector<Shader> shaders;
-    std::vector<Texture> textures;   ///< every image named by a stage, an editor image, a light image or a sky box
-    std::vector<Lightmap> lightmaps; ///< without the deluxe ones
+    /// Every image named by a stage, an editor image, a light image or a sky box, and the one named like the shader.
+    /// Decoded are those that a drawn or sky shader shows and each shader's `lightImage`.
+    std::vector<Texture> textures;
+    std::map<std::string, std::size_t, std::less<>> textureIndex; ///< name as written -> textures
+    std::vector<Lightmap> lightmaps;                              ///< without the deluxe ones
     std::vector<Model> models;
     std::vector<FogVolume> fogs;
     std::vector<Entity> entities;
-    /// Where light entities come from: the level's own, or of the .map beside it (then `lightEntitySource` is its
-    /// name).
+    /// Light entities (class names that start with "light"), the level's own or else of the .map beside it, and behind
+    /// them the entities they target. `lightEntitySource` names the file they come from; empty if there are none.
     std::vector<Entity> lightEntities;
     std::string lightEntitySource;
     Tree tree;
     LoadStatistics statistics;
 
     /// The texture a stage or key names, or null.
-    [[nodiscard]] const Texture* texture(std::string_view name) const;
+    [[nodiscard]] const Texture* texture(std::string_view imageName) const;
     /// The image that stands for the surface's colour: q3map_lightimage, else first usable stage, else sky box up, else
     /// editor image, else the image named like the shader. Null: none of them exists.
     [[nodiscard]] const Texture* lightImage(const Shader& shader) const;
@@ -147,6 +151,9 @@ struct Level {
     };
     [[nodiscard]] View firstView() const;
 };
+
+/// The six pictures of a sky box in the game's order (rt bk lf ft up dn), from the base name in Shader::skyBox.
+[[nodiscard]] std::array<std::string, 6> skyBoxImages(std::string_view base);
 
 /// Reads a level and everything it refers to. Missing pictures are warnings, damaged structure is an Error.
 [[nodiscard]] Result<Level> loadLevel(Location location, const LoadOptions& options = {});

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -106,6 +105,9 @@ struct SurfaceParms {
     bool sky = false, noDraw = false, translucent = false, fog = false, noLightmap = false, alphaShadow = false,
          lightFilter = false, clip = false, trigger = false, areaPortal = false, hint = false, nonSolid = false,
          water = false, slime = false, lava = false, structural = true, pointLight = false;
+
+    /// Joins the flags of the BSP's shader lump, which the compiler took from the script it saw.
+    void addFlags(std::int32_t surfaceFlags, std::int32_t contentFlags);
 };
 
 /// q3map_sun and its variants: direction *towards* the sun. E = colour * intensity * cos, in lightmap units U.
@@ -152,12 +154,16 @@ struct Shader {
     std::vector<Deform> deforms;
     bool polygonOffset = false;
     bool portal = false;
-    std::optional<float> sort;
+    std::optional<float>
+        sort; ///< the game's number: 2 sky, 3 opaque, 5 see-through, 9 blended …; always set by the library
     std::string editorImage;
     std::string skyBox; ///< farbox base name of skyParms; empty or "-": none
     float cloudHeight = 0;
     std::optional<FogKeys> fog;
     LightKeys light;
+    /// What the game refuses in the script. It then shows its default picture (a grey box) instead; here the stages are
+    /// kept as far as they were understood.
+    std::vector<std::string> defects;
 
     /// False for what the game never shows: nodraw, clip, trigger, hint, area portals … and fog volumes without stages.
     [[nodiscard]] bool drawn() const;
@@ -166,24 +172,28 @@ struct Shader {
     [[nodiscard]] bool opaque() const;
 };
 
-/// All scripts of a file system, parsed once. A script that defines a name wins over an image of that name; of several
-/// definitions the game keeps the first in the order in which it reads the files (reverse of `shaderlist`-less name
-/// order: see the source).
+/// All scripts of a file system. A script that defines a name wins over an image of that name; of several definitions
+/// of one name in files of different names the one in the *lower* archive wins, as in the game (see `load` in the
+/// source). Definitions are parsed when they are asked for. `find` and `resolve` may be called from several threads.
 class ShaderLibrary {
 public:
+    ShaderLibrary();
     [[nodiscard]] static ShaderLibrary load(const Vfs& files);
-    /// Adds the definitions of one text; a syntax error drops that definition, is kept as a warning and the rest goes
-    /// on.
+    /// Adds the definitions of one text below those that are already there; where braces do not match, the rest of the
+    /// text is dropped with a warning.
     void parse(std::string_view text, const std::string& fileName);
+    /// Null if no script defines it. The pointer lives as long as the library and its copies.
     [[nodiscard]] const Shader* find(std::string_view name) const;
     /// The script's shader, or the game's implicit one for an image of that name: lightmapped (lightmap stage × image)
-    /// or vertex-lit.
+    /// or vertex-lit. Its origin is "image" whether the image exists or not.
     [[nodiscard]] Shader resolve(std::string_view name, bool lightmapped) const;
-    [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+    /// All defined names, sorted.
+    [[nodiscard]] std::vector<std::string> names() const;
+    [[nodiscard]] const std::vector<std::string>& warnings() const;
 
 private:
-    std::map<std::string, Shader, std::less<>> shaders_;
-    std::vector<std::string> warnings_;
+    struct Index;
+    std::shared_ptr<Index> index_;
 };
 
 } // namespace pie::level

@@ -40,6 +40,9 @@ public:
     [[nodiscard]] Result<Bytes> read(std::string_view name) const;
     /// Names below `folder` that end in `suffix` (both without case), each once, sorted without case, in lower case.
     [[nodiscard]] std::vector<std::string> list(std::string_view folder, std::string_view suffix) const;
+    /// The same names in the order in which the game lists them: highest precedence first, inside an archive as stored,
+    /// inside a folder by name.
+    [[nodiscard]] std::vector<std::string> scan(std::string_view folder, std::string_view suffix) const;
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
