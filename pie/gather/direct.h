@@ -1,0 +1,84 @@
+#pragma once
+// Direct light at receivers by shadow rays, from every kind of light.
+//
+// Each light is first taken unoccluded: exactly where there is a formula (points, spots, suns, sky directions, and
+// polygons by their form factor), as the mean of many samples elsewhere. Rays then only measure which share gets
+// through: E = unoccluded · Σ c V / Σ c over the samples' contributions c. A light in full view costs no noise; the
+// ratio's bias is of the order of 1/samples inside penumbras.
+//
+// Levels have thousands of lights, of which a receiver sees few. Per receiver: a cheap bound per light; lights are
+// shadow tested in falling order of their bounds until the bounds of the rest, the tail, are small against the light
+// already seen; of the tail `tailSamples` are drawn in proportion to their bounds, so its expectation is right and its
+// noise below `tolerance`. Soft lights get further rays where their share of the light seen deserves them.
+//
+// Rays start at Receiver::inset, a small offset off the surface towards the light, and end as much short of the light:
+// vertices lie exactly on neighbouring planes, emissive faces are part of the scene. Light is taken at
+// Receiver::position (at the inset point for lamps in whose plane the position lies). A sky ray counts where the first
+// thing that is not a filter is sky.
+//
+// A receiver is computed once, when it is first asked for; every result depends on the scene, the lights and that
+// receiver's position and normal only. Scene and lights are immutable: after an edit, make a new DirectLight.
+
+#include "pie/gather/gather.h"
+#include "pie/intersect/intersector.h"
+#include "pie/lights/light_set.h"
+#include "pie/scene/receivers.h"
+#include "pie/scene/scene.h"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pie::gather {
+
+struct DirectOptions {
+    /// Standard error the tail may have, relative to the receiver's direct light. Smaller: more rays.
+    float tolerance = 0.01F;
+    /// Standard error that is always allowed, watts per square unit (U, of the 255 a lightmap byte holds): spares dark
+    /// receivers the test of every light of the level.
+    float absoluteTolerance = 0.05F;
+    unsigned tailSamples = 8;
+    /// A soft light that gives all the light gets this many rays (one that gives a tenth: a tenth of them), but no more
+    /// than lights::sampleCount times `softness`.
+    unsigned softSamples = 64;
+    float softness = 1;
+    /// Every light with its full number of samples: the reference the rest is measured against.
+    bool exhaustive = false;
+    std::uint64_t seed = 0;
+};
+
+class DirectLight final : public Estimator {
+public:
+    /// All references must outlive it.
+    DirectLight(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
+                const scene::Receivers& receivers, const DirectOptions& options = {});
+    ~DirectLight() override;
+    DirectLight(const DirectLight&) = delete;
+    DirectLight& operator=(const DirectLight&) = delete;
+
+    void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override;
+    [[nodiscard]] std::string_view name() const override { return "direct"; }
+
+    [[nodiscard]] std::uint64_t raysTraced() const { return rays_; }
+    [[nodiscard]] std::uint64_t receiversComputed() const { return computed_; }
+    [[nodiscard]] std::size_t bytes() const;
+
+    /// How far rays start off the surface and end before the light, units: 1, less in small scenes, more where floats
+    /// are coarser.
+    [[nodiscard]] float rayOffset() const;
+
+    struct Context; ///< what all receivers share, see direct_sources.h
+
+private:
+    void compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
+
+    const scene::Receivers& receivers_;
+    std::unique_ptr<const Context> context_;
+    /// Per receiver: 0 not computed, 1 being written by some thread, 2 ready.
+    std::unique_ptr<std::atomic<std::uint8_t>[]> state_;
+    std::unique_ptr<Rgb[]> irradiance_;
+    mutable std::atomic<std::uint64_t> rays_{0}, computed_{0};
+};
+
+} // namespace pie::gather
