@@ -1,15 +1,32 @@
 #include "osgPlugins/osgpie/callbacks.h"
 
+#include <osg/BufferObject>
 #include <osg/FrameStamp>
 #include <osg/NodeVisitor>
+#include <osg/Notify>
+#include <osg/RenderInfo>
+#include <osg/State>
+#include <osg/ValueObject>
+
+#include <chrono>
 
 namespace osgpie {
+
+void AdvanceCallback::announce() {
+    engine_->prepare();
+    const pie::lights::ImportedLights& found = engine_->lights();
+    OSG_NOTICE << "[bsp] " << engine_->level().name << ": light: " << found.summary() << std::endl;
+    for (const std::string& warning : found.warnings)
+        OSG_INFO << "[bsp] " << engine_->level().name << ": " << warning << std::endl;
+}
 
 void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
     const osg::FrameStamp* stamp = visitor ? visitor->getFrameStamp() : nullptr;
     const unsigned frame = stamp ? stamp->getFrameNumber() : lastFrame_ + 1;
     if (!started_ || frame != lastFrame_) {
+        if (!started_) announce();
         engine_->advance();
+        if (engine_->settings().stats) node->setUserValue("pie.statistics", engine_->statistics().json());
         started_ = true;
         lastFrame_ = frame;
     }
@@ -37,9 +54,21 @@ bool IrradianceCallback::refresh() const {
     return true;
 }
 
+/// Sends the colours now rather than in the midst of drawing, so that its time is known.
+void IrradianceCallback::upload(osg::RenderInfo& renderInfo) const {
+    const auto start = std::chrono::steady_clock::now();
+    osg::GLBufferObject* buffer = colours_->getOrCreateGLBufferObject(renderInfo.getContextID());
+    if (buffer && buffer->isDirty()) {
+        buffer->compileBuffer();
+        // The state of OSG does not know that its array buffer was bound past it.
+        renderInfo.getState()->unbindVertexBufferObject();
+    }
+    engine_->countUpload(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
 void IrradianceCallback::drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const {
     const std::lock_guard lock(mutex_);
-    refresh();
+    if (refresh()) upload(renderInfo);
     drawable->drawImplementation(renderInfo);
 }
 

@@ -21,6 +21,7 @@ public:
 
 private:
     std::shared_ptr<pie::engine::Engine> engine_;
+    void announce();
     unsigned lastFrame_ = 0;
     bool started_ = false;
 };
@@ -39,6 +40,7 @@ public:
     bool refresh() const;
 
 private:
+    void upload(osg::RenderInfo& renderInfo) const;
     std::shared_ptr<pie::engine::Engine> engine_;
     std::vector<std::uint32_t> receivers_, receiverOfVertex_;
     osg::ref_ptr<osg::Vec4Array> colours_;

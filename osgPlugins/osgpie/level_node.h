@@ -16,8 +16,7 @@ public:
     explicit LevelNode(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
     [[nodiscard]] pie::engine::Engine& engine() { return *engine_; }
     [[nodiscard]] const pie::engine::Engine& engine() const { return *engine_; }
-    [[nodiscard]] const char* libraryName() const override { return "osgpie"; }
-    [[nodiscard]] const char* className() const override { return "LevelNode"; }
+    // Class names stay those of osg::Group: that is what a file format may write it as.
 
 protected:
     ~LevelNode() override = default;

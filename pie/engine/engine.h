@@ -30,10 +30,11 @@ struct Statistics {
     std::uint64_t framesTraced = 0; ///< of these, frames in which photons were traced
     std::uint64_t photonsEmitted = 0, raysTraced = 0, photonsStored = 0, photonsEscaped = 0;
     std::uint64_t photonsInMap = 0;
+    std::uint64_t directRays = 0;
     std::uint64_t directEstimates = 0; ///< receivers whose direct light was computed
     std::uint64_t estimatesMade = 0, estimatesReused = 0;
     std::size_t receivers = 0, drawnTriangles = 0, coarseTriangles = 0, lights = 0;
-    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, estimateMs = 0;
+    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, estimateMs = 0, uploadMs = 0;
     std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0;
     /// One JSON object, keys as above in snake_case.
     [[nodiscard]] std::string json() const;
@@ -70,6 +71,8 @@ public:
     [[nodiscard]] std::uint64_t lightRevision() const;
 
     [[nodiscard]] Statistics statistics() const;
+    /// For renderers: time spent on sending light to the graphics card.
+    void countUpload(double milliseconds);
 
 private:
     struct State;

@@ -1,0 +1,16 @@
+# What `cmake --install` leaves for other projects: headers, static libraries and a package, so that
+# find_package(pie) and target_link_libraries(app pie::osgpie) are all an OpenSceneGraph application needs.
+include(CMakePackageConfigHelpers)
+get_property(modules GLOBAL PROPERTY PIE_MODULES)
+set(targets pie_flags ${modules})
+if(PIE_OSG)
+    list(APPEND targets osgpie)
+endif()
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pie)
+install(TARGETS ${targets} EXPORT pieTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/pie)
+install(EXPORT pieTargets NAMESPACE pie:: DESTINATION ${package_folder})
+install(DIRECTORY pie DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY osgPlugins/osgpie DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/osgPlugins FILES_MATCHING PATTERN "*.h")
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/pieConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+configure_package_config_file(pie/pieConfig.cmake.in ${CMAKE_BINARY_DIR}/pieConfig.cmake INSTALL_DESTINATION ${package_folder})
+install(FILES ${CMAKE_BINARY_DIR}/pieConfig.cmake ${CMAKE_BINARY_DIR}/pieConfigVersion.cmake DESTINATION ${package_folder})
