@@ -137,8 +137,7 @@ void DirectJob::ask(std::uint32_t number, unsigned samples, RayBatch& batch) {
         const auto n = static_cast<double>(tested.samples++);
         const Vec2 u(static_cast<float>(glm::fract(static_cast<double>(shift.x) + n * 0.7548776662466927)),
                      static_cast<float>(glm::fract(static_cast<double>(shift.y) + n * 0.5698402909980532)));
-        const lights::Illumination way = context_.sources.sample(tested.source, place_.position, place_.normal,
-                                                                 place_.twoSided, glm::min(u, Vec2(0.99999994F)));
+        const lights::Illumination way = context_.sources.sample(tested.source, place_, glm::min(u, Vec2(0.99999994F)));
         const float contribution = meanChannel(glm::abs(way.irradiance));
         if (!(contribution > 0.0F)) continue;
         ++traced;
