@@ -38,9 +38,9 @@ TEST(Command, KeepsStatusAndBothStreams) {
 
 TEST(Command, PassesArgumentsEnvironmentAndFolder) {
     ::setenv("PIE_TEST_GONE", "here", 1);
-    const CommandResult result = run(
-        {"sh", "-c", "printf '%s|%s|%s|%s' \"$1\" \"$PIE_TEST_SET\" \"${PIE_TEST_GONE-unset}\" \"$PWD\"", "sh", "a b"},
-        {{{"PIE_TEST_SET", "x y"}, {"PIE_TEST_GONE", ""}}, "/", 10});
+    const CommandResult result =
+        run({"sh", "-c", R"(printf '%s|%s|%s|%s' "$1" "$PIE_TEST_SET" "${PIE_TEST_GONE-unset}" "$PWD")", "sh", "a b"},
+            {{{"PIE_TEST_SET", "x y"}, {"PIE_TEST_GONE", ""}}, "/", 10});
     EXPECT_EQ(result.out, "a b|x y|unset|/");
 }
 
