@@ -70,15 +70,21 @@ Vec2 invertUniformSphere(const Vec3& direction) {
 }
 
 Vec3 cosineHemisphere(const Vec2& u) {
-    // Malley: a uniform disc lifted onto the sphere. z from the larger of the two coordinates before the map: 1 - r²
-    // has then no cancellation beyond that of the input.
+    // Malley: a uniform disc lifted onto the sphere. The way from the disc's rim is that from the rim of the square,
+    // which u gives without the cancellation of 1 - r².
     const Vec2 disc = concentricDisc(u);
-    const Vec2 s = 2.0F * u - 1.0F;
-    const float radius = std::max(std::abs(s.x), std::abs(s.y));
-    return {disc.x, disc.y, std::sqrt(std::max(0.0F, (1.0F - radius) * (1.0F + radius)))};
+    const float rim = 2.0F * std::min(std::min(u.x, 1.0F - u.x), std::min(u.y, 1.0F - u.y));
+    return {disc.x, disc.y, std::sqrt(rim * (2.0F - rim))};
 }
 float cosineHemispherePdf(const Vec3& direction) { return std::max(0.0F, direction.z) * (1.0F / pi); }
-Vec2 invertCosineHemisphere(const Vec3& direction) { return invertConcentricDisc({direction.x, direction.y}); }
+Vec2 invertCosineHemisphere(const Vec3& direction) {
+    Vec2 u = invertConcentricDisc({direction.x, direction.y});
+    const float radius = std::min(1.0F, glm::length(Vec2(direction.x, direction.y)));
+    const float rim = 0.5F * direction.z * direction.z / (1.0F + radius);
+    const int major = std::abs(direction.x) > std::abs(direction.y) ? 0 : 1;
+    u[major] = clampToUnit(direction[major] < 0.0F ? rim : 1.0F - rim);
+    return u;
+}
 
 Vec3 uniformCone(const Vec2& u, float cosMax) { return fromCap(u.x * (1.0F - cosMax), u.y); }
 float uniformConePdf(float cosMax) {

@@ -55,11 +55,13 @@ std::vector<std::uint32_t> digitPermutation(std::uint64_t seed, unsigned dimensi
 namespace detail {
 
 struct HaltonTables {
+    static constexpr std::size_t expectedValues = 240'000;
     std::array<HaltonRow, haltonDimensions> rows;
     std::vector<double> values;
 
     explicit HaltonTables(std::uint64_t seed) {
         std::vector<std::size_t> starts;
+        values.reserve(expectedValues);
         for (unsigned dimension = 0; dimension < haltonDimensions; ++dimension) {
             starts.push_back(values.size());
             build(rows[dimension], seed, dimension);
