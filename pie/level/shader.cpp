@@ -14,7 +14,10 @@
 namespace pie::level {
 
 bool Shader::drawn() const {
-    if (parms.noDraw || parms.sky || parms.hint || parms.areaPortal || parms.trigger) return false;
+    if (parms.noDraw || parms.hint || parms.areaPortal || parms.trigger) return false;
+    // A sky that names no sky box is drawn like any other script, as far as it has one.
+    const bool scripted = origin != "image" && origin != "missing";
+    if (!skyBox.empty() || (parms.sky && !scripted)) return false;
     // Glass and leaves may clip as well; a clip brush whose script is missing has no picture to show.
     if (parms.clip && origin == "missing") return false;
     return !stages.empty();

@@ -157,7 +157,7 @@ struct Shader {
     std::optional<float>
         sort; ///< the game's number: 2 sky, 3 opaque, 5 see-through, 9 blended …; always set by the library
     std::string editorImage;
-    std::string skyBox; ///< farbox base name of skyParms; empty or "-": none
+    std::string skyBox; ///< farbox base name of skyParms, "-" for a sky without box; empty: no skyParms
     float cloudHeight = 0;
     std::optional<FogKeys> fog;
     LightKeys light;

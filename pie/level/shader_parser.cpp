@@ -144,6 +144,7 @@ private:
 
     void skyParms() {
         shader_.skyBox = words_.wordOnLine();
+        if (shader_.skyBox.empty()) return;
         // 512 is the game's height for "-" and 0.
         const float height = words_.numberOnLine();
         shader_.cloudHeight = height != 0 ? height : 512.0F;
@@ -226,6 +227,7 @@ private:
     /// The game's order of drawing where the script says nothing.
     void finish() {
         if (isSky_) shader_.sort = sortSky;
+        shader_.parms.sky |= isSky_;
         if (shader_.polygonOffset && !shader_.sort) shader_.sort = sortDecal;
         // A first stage that blends makes the whole shader transparent; writing depth makes it a grate.
         if (!shader_.sort && !shader_.stages.empty() && !shader_.stages.front().blend.opaque())

@@ -2,8 +2,9 @@
 #include "pie/level/file_source.h"
 #include "pie/level/names.h"
 
+#include "pie/core/parallel.h"
+
 #include <algorithm>
-#include <set>
 #include <system_error>
 #include <unordered_set>
 
@@ -60,9 +61,20 @@ Result<bool> Vfs::mountGame(const fs::path& gameDirectory) {
     std::sort(paks.begin(), paks.end(), [](const fs::path& a, const fs::path& b) {
         return std::pair(pakOrder(a), a.string()) < std::pair(pakOrder(b), b.string());
     });
-    for (const fs::path& pak : paks) {
-        const Result<bool> mounted = fs::is_directory(pak, error) ? mountFolder(pak) : mountArchive(pak);
-        if (!mounted) warnings_.push_back(mounted.error().message());
+    // Reading the directories of big archives takes longer than anything else that mounting does.
+    std::vector<std::optional<Result<std::shared_ptr<const FileSource>>>> opened(paks.size());
+    parallelChunks(paks.size(), 1, [&](std::size_t i, std::size_t) {
+        std::error_code ignored;
+        if (fs::is_directory(paks[i], ignored))
+            opened[i] = makeFolderSource(paks[i]);
+        else
+            opened[i] = makeArchiveSource(paks[i]);
+    });
+    for (const auto& source : opened) {
+        if (*source)
+            sources_.push_back(**source);
+        else
+            warnings_.push_back(source->error().message());
     }
     return mountFolder(gameDirectory);
 }
