@@ -68,8 +68,9 @@ void section(std::string& page, std::string_view label, const std::vector<std::s
     }
 }
 
-template <class Pairs> std::string listed(const Pairs& pairs) {
+std::string listed(const std::vector<std::pair<std::string, std::size_t>>& pairs) {
     std::vector<std::string> words;
+    words.reserve(pairs.size());
     for (const auto& [name, value] : pairs) words.push_back(fmt::format("{} {}", name, value));
     return fmt::format("{}", fmt::join(words, ", "));
 }

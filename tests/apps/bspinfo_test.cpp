@@ -12,7 +12,6 @@ using pie::test::CommandResult;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::MatchesRegex;
 using Json = nlohmann::json;
 
 CommandResult bspinfo(std::vector<std::string> arguments) {
