@@ -22,6 +22,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double belowOne = 1.0 - 1e-12;
 constexpr double farRatio = 0.1;       // extent over distance below which a polygon is sampled by area
 constexpr std::size_t maxCorners = 32; // with more it is sampled by area at any distance
+constexpr double widestEdge = pi / 3;  // as the receiver sees it; wider ones are cut, or the warp would fit them badly
+constexpr std::size_t maxDirections = maxCorners + 10; // clipping adds 1, cutting 6: a convex outline is at most a turn
 
 dvec3 newell(const std::vector<Vec3>& corners) {
     dvec3 sum(0.0);
@@ -68,14 +70,26 @@ bool usable(const AreaLight& light) {
 
 /// Part of a polygon above a receiver's horizon: unit directions, counter-clockwise as the receiver sees them.
 struct Visible {
-    std::array<dvec3, maxCorners + 2> directions;
+    std::array<dvec3, maxDirections> directions;
     std::size_t count = 0;
-    std::array<double, maxCorners> share{}; ///< π × form factor of each fan triangle
+    dvec3 middle{0.0};                         ///< that the triangles share
+    std::array<double, maxDirections> share{}; ///< π × form factor of the triangle of directions i and i + 1
     double total = 0.0;
 
-    void add(const dvec3& v) {
-        const double length = glm::length(v);
-        if (length > 0.0) directions[count++] = v / length;
+    /// Adds a corner, and directions on the arc to it from the last one if that is wide.
+    void add(const dvec3& to) {
+        if (count > 0) {
+            const dvec3 from = directions[count - 1];
+            const dvec3 side = to - from * glm::dot(from, to);
+            const double sine = glm::length(side);
+            const double angle = std::atan2(sine, glm::dot(from, to));
+            const auto pieces = static_cast<int>(std::ceil(angle / widestEdge));
+            for (int i = 1; i < pieces && sine > 0.0 && count + 1 < maxDirections; ++i) {
+                const double part = angle * i / pieces;
+                directions[count++] = from * std::cos(part) + side * (std::sin(part) / sine);
+            }
+        }
+        if (count < maxDirections) directions[count++] = to;
     }
 };
 
@@ -92,17 +106,37 @@ double projectedSolidAngle(const dvec3& a, const dvec3& b, const dvec3& c, const
 void clip(const AreaLight& light, const dvec3& point, const dvec3& normal, bool reversed, Visible& visible) {
     const std::size_t n = light.corners.size();
     const auto corner = [&](std::size_t i) { return dvec3(light.corners[reversed ? n - 1 - i % n : i % n]) - point; };
+    dvec3 start(0.0);
+    const auto add = [&](const dvec3& v) {
+        const double length = glm::length(v);
+        if (!(length > 0.0)) return;
+        if (visible.count == 0) start = v / length;
+        visible.add(v / length);
+    };
     for (std::size_t i = 0; i < n; ++i) {
         const dvec3 a = corner(i);
         const dvec3 b = corner(i + 1);
         const double ha = glm::dot(a, normal);
         const double hb = glm::dot(b, normal);
-        if (ha >= 0.0) visible.add(a);
-        if ((ha > 0.0 && hb < 0.0) || (ha < 0.0 && hb > 0.0)) visible.add(a + (b - a) * (ha / (ha - hb)));
+        if (ha >= 0.0) add(a);
+        if ((ha > 0.0 && hb < 0.0) || (ha < 0.0 && hb > 0.0)) add(a + (b - a) * (ha / (ha - hb)));
     }
-    for (std::size_t i = 0; i + 2 < visible.count; ++i) {
-        visible.share[i] =
-            projectedSolidAngle(visible.directions[0], visible.directions[i + 1], visible.directions[i + 2], normal);
+    if (visible.count < 3) {
+        visible.count = 0;
+        return;
+    }
+    visible.add(start); // closes the outline, cut if wide
+    --visible.count;
+    const auto next = [&](std::size_t i) { return visible.directions[i + 1 < visible.count ? i + 1 : 0]; };
+    bool overhead = true;
+    dvec3 sum(0.0);
+    for (std::size_t i = 0; i < visible.count; ++i) {
+        overhead = overhead && glm::dot(glm::cross(visible.directions[i], next(i)), normal) > 0.0;
+        sum += visible.directions[i];
+    }
+    visible.middle = overhead ? normal : glm::normalize(sum);
+    for (std::size_t i = 0; i < visible.count; ++i) {
+        visible.share[i] = projectedSolidAngle(visible.directions[i], next(i), visible.middle, normal);
         visible.total += visible.share[i];
     }
 }
@@ -114,8 +148,8 @@ struct DirectionSample {
 
 double angleBetween(const dvec3& a, const dvec3& b) { return 2.0 * std::atan2(glm::length(a - b), glm::length(a + b)); }
 
-/// Uniform by solid angle on the spherical triangle a b c (Arvo 1995). At u = 0 the point runs along the arc b a, at
-/// u = 1 along b c; at v = 0 it is b.
+/// Uniform by solid angle on the spherical triangle a b c (Arvo 1995). At v = 0 the point is b, at v = 1 it runs from a
+/// (u = 0) to c.
 DirectionSample sampleSphericalTriangle(const dvec3& a, const dvec3& b, const dvec3& c, double u, double v) {
     dvec3 ab = glm::cross(a, b);
     dvec3 bc = glm::cross(b, c);
@@ -160,6 +194,23 @@ double sampleLinear(double u, double a, double b) {
     return std::clamp(x, 0.0, 1.0);
 }
 
+/// Way s from a triangle's corner of weight `corner` to the opposite edge of mean weight `edge`, for a weight linear on
+/// the triangle: density 2 s ((1 - s) corner + s edge) over its integral.
+double sampleFromCorner(double u, double corner, double edge) {
+    const double whole = (corner + 2.0 * edge) / 3.0;
+    if (!(whole > 0.0)) return std::sqrt(u);
+    const double cubic = 2.0 / 3.0 * (edge - corner);
+    double s = std::sqrt(u);
+    for (int i = 0; i < 30; ++i) {
+        const double slope = 2.0 * s * (corner + s * (edge - corner));
+        if (!(slope > 0.0)) break;
+        const double step = (s * s * (corner + s * cubic) - u * whole) / slope;
+        s = std::clamp(s - step, 0.0, 1.0);
+        if (std::abs(step) < 1e-12) break;
+    }
+    return s;
+}
+
 Illumination sampleByArea(const AreaLight& light, const Vec3& point, const Vec3& normal, bool twoSided, const Vec2& u) {
     const dvec3 way = pointOn(light, u.x, u.y) - dvec3(point);
     const double distance = glm::length(way);
@@ -186,23 +237,25 @@ Illumination sampleBySolidAngle(const AreaLight& light, const dvec3& point, cons
     const double both = sides[0].total + sides[1].total;
     if (!(both > 0.0)) return {};
     const Visible& side = sides[choose(2, both, u, [&](std::size_t i) { return sides[i].total; })];
-    const std::size_t fan = choose(side.count - 2, side.total, u, [&](std::size_t i) { return side.share[i]; });
-    const double chance = side.share[fan] / both;
+    const std::size_t first = choose(side.count, side.total, u, [&](std::size_t i) { return side.share[i]; });
+    const double chance = side.share[first] / both;
 
-    const std::array<dvec3, 3> corners{side.directions[0], side.directions[fan + 1], side.directions[fan + 2]};
-    std::array<double, 3> weight{}; // cosines at the corners, never quite zero: the density must cover the triangle
-    double largest = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, weight[i] = std::abs(glm::dot(corners[i], normal)));
-    for (double& w : weight) w = std::max(w, 0.05 * largest);
-    // Bilinear: v = 0 is corner 1 for every u, v = 1 runs from corner 0 to corner 2.
-    const double mean = 0.5 * (weight[0] + weight[2]);
-    v = sampleLinear(v, weight[1], mean);
-    const double left = weight[1] + (weight[0] - weight[1]) * v;
-    const double right = weight[1] + (weight[2] - weight[1]) * v;
+    const dvec3& a = side.directions[first];
+    const dvec3& b = side.middle;
+    const dvec3& c = side.directions[first + 1 < side.count ? first + 1 : 0];
+    // Cosines at the corners, never quite zero: the density must cover the triangle.
+    const auto cosine = [&](const dvec3& direction) { return std::abs(glm::dot(direction, normal)); };
+    const double floor = 0.05 * std::max({cosine(a), cosine(b), cosine(c)});
+    const double wa = std::max(floor, cosine(a));
+    const double wb = std::max(floor, cosine(b));
+    const double wc = std::max(floor, cosine(c));
+    const double s = sampleFromCorner(v, wb, 0.5 * (wa + wc));
+    const double left = wb + (wa - wb) * s;
+    const double right = wb + (wc - wb) * s;
     u = sampleLinear(u, left, right);
-    const double density = (left + (right - left) * u) / (0.5 * (weight[1] + mean));
+    const double density = (left + (right - left) * u) * 3.0 / (wa + wb + wc);
 
-    const DirectionSample drawn = sampleSphericalTriangle(corners[0], corners[1], corners[2], u, v);
+    const DirectionSample drawn = sampleSphericalTriangle(a, b, c, u, s * s);
     const double down = glm::dot(drawn.direction, dvec3(light.normal));
     const double height = glm::dot(dvec3(light.corners[0]) - point, dvec3(light.normal));
     Illumination result;
