@@ -30,11 +30,9 @@ using Device = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using Geometry = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
-/// Embree answers tNear < t <= tFar, we promise tMin <= t < tMax. A zero tMin becomes the largest t that no surface
-/// can be told from the origin by.
-float nearOf(const Ray& ray) {
-    return ray.tMin > 0.0F ? std::nextafter(ray.tMin, 0.0F) : -std::numeric_limits<float>::min();
-}
+/// Embree answers tNear < t <= tFar, we promise tMin <= t < tMax. At zero nothing is left to step back to: Debian's
+/// Embree asserts that tNear is not negative.
+float nearOf(const Ray& ray) { return ray.tMin > 0.0F ? std::nextafter(ray.tMin, 0.0F) : 0.0F; }
 float farOf(const Ray& ray) { return std::isinf(ray.tMax) ? ray.tMax : std::nextafter(ray.tMax, 0.0F); }
 
 RTCRay toEmbree(const Ray& ray) {
