@@ -6,7 +6,9 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace pie::scene {
 
@@ -31,6 +33,26 @@ namespace pie::scene {
     const double longest = std::max({squaredLength(a, b), squaredLength(b, c), squaredLength(c, a)});
     const double twiceArea = glm::length(areaVector(a, b, c));
     return !(twiceArea > 1e-9 * longest);
+}
+
+/// How near to an edge a vertex must be to lie on it, and how far from its ends: short edges must not lose their whole
+/// length.
+[[nodiscard]] inline double reachOf(double length, double tolerance) { return std::min(tolerance, 0.01 * length); }
+
+/// True for triangles with a corner in the interior of the opposite edge, as far as `tolerance` (and a hundredth of the
+/// edge) can tell.
+[[nodiscard]] inline bool flat(const std::array<Vec3, 3>& corners, double tolerance) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec3 along = glm::dvec3(corners[(i + 1) % 3]) - glm::dvec3(corners[i]);
+        const glm::dvec3 d = glm::dvec3(corners[(i + 2) % 3]) - glm::dvec3(corners[i]);
+        const double length = glm::length(along);
+        const double reach = reachOf(length, tolerance);
+        const double at = glm::dot(d, along);
+        if (!(at > reach * length && at < (length - reach) * length)) continue;
+        const glm::dvec3 off = d - along * (at / (length * length));
+        if (glm::dot(off, off) < reach * reach) return true;
+    }
+    return false;
 }
 
 } // namespace pie::scene

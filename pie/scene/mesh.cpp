@@ -20,9 +20,6 @@ bool drawn(const level::Level& level, const level::Surface& surface) {
     return surface.model >= level.models.size() || level.models[surface.model].drawn;
 }
 
-/// An edge ends where a vertex may be that counts as one of its ends; short edges must not lose their whole length.
-double reach(double length, double tolerance) { return std::min(tolerance, 0.01 * length); }
-
 /// A position in the interior of an edge.
 struct Junction {
     std::uint32_t position = Topology::none;
@@ -37,23 +34,21 @@ Junction findJunction(const Topology& topology, std::uint32_t e, const PointGrid
     const Vec3 a = topology.positions()[edge.a];
     const Vec3 b = topology.positions()[edge.b];
     const glm::dvec3 along = glm::dvec3(b) - glm::dvec3(a);
-    const double squared = glm::dot(along, along);
-    if (!(squared > 0) || !std::isfinite(squared)) return found;
-    const double length = std::sqrt(squared);
-    const double radius = reach(length, tolerance);
+    const double length = glm::length(along);
+    if (!(length > 0) || !std::isfinite(length)) return found;
+    const double radius = reachOf(length, tolerance);
     const double end = radius / length;
     double best = std::numeric_limits<double>::infinity();
     grids.forLength(length).nearSegment(a, b, radius, [&](const PointGrid::Entry& entry) {
         const glm::dvec3 d = glm::dvec3(entry.position) - glm::dvec3(a);
-        const double t = glm::dot(d, along) / squared;
+        const double t = glm::dot(d, along) / (length * length);
         if (!(t > end && t < 1.0 - end)) return;
-        const glm::dvec3 off = d - t * along;
-        if (glm::dot(off, off) >= radius * radius) return;
+        const double off = glm::length(d - t * along);
         const double fromMiddle = std::abs(t - 0.5);
-        if (fromMiddle < best || (fromMiddle == best && entry.point < found.position)) {
-            best = fromMiddle;
-            found = {entry.point, static_cast<float>(t)};
-        }
+        if (off >= radius || fromMiddle > best || (fromMiddle == best && entry.point >= found.position)) return;
+        if (!topology.splitsWell(e, entry.point, off)) return;
+        best = fromMiddle;
+        found = {entry.point, static_cast<float>(t)};
     });
     return found;
 }
@@ -69,7 +64,13 @@ double meanLength(const Topology& topology) {
     return count == 0 ? 1.0 : sum / static_cast<double>(count);
 }
 
-/// Closing makes no new positions, so it comes to an end: every split ends an edge at a point that was there before.
+/// Slivers no wider than the rounding of positions would keep the vertices beside them from being closed.
+void dropNoise(Topology& topology, double tolerance) {
+    if (tolerance > 0) topology.dropFlat(tolerance / 8);
+}
+
+/// Closing makes no new positions: every split ends an edge at a point that was there before. That comes to an end in
+/// any mesh of surfaces; the bound is for heaps of triangles that are not one.
 std::size_t close(Topology& topology, double tolerance, std::size_t maxTriangles) {
     if (!(tolerance > 0)) return 0;
     const PointGrids grids(topology.positions(), 0.5 * meanLength(topology));
@@ -79,10 +80,11 @@ std::size_t close(Topology& topology, double tolerance, std::size_t maxTriangles
             junctions[e] = findJunction(topology, static_cast<std::uint32_t>(e), grids, tolerance);
     });
     std::size_t closed = 0;
+    const std::size_t most = 16 * topology.edgeCount();
     std::vector<std::uint32_t> waiting;
     const auto closeAt = [&](std::uint32_t e, const Junction& junction) {
         if (junction.position == Topology::none || topology.edge(e).count == 0) return;
-        if (topology.triangleCount() + topology.edge(e).count > maxTriangles) return;
+        if (closed >= most || topology.triangleCount() + topology.edge(e).count > maxTriangles) return;
         topology.split(e, junction.position, junction.share, waiting);
         ++closed;
     };
@@ -211,14 +213,17 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
     const float limit = byLength ? std::max(options.maxEdge, 0.0F) : 0.0F;
     constexpr double tolerance = 0.01;
     if (options.maxSplits > 0 && (byLength || byCount)) {
-        statistics.tJunctions = close(topology, tolerance, options.maxTriangles);
-        // Where surfaces cross, a new edge can pass an old vertex, and closing that leaves edges a tolerance longer.
-        for (bool done = false; !done;) {
-            done = !splitLongest(topology, options, limit, statistics.splits);
-            const std::size_t closed = close(topology, tolerance, options.maxTriangles);
+        dropNoise(topology, tolerance);
+        std::size_t closed = close(topology, tolerance, options.maxTriangles);
+        // Where surfaces cross, a new edge can pass an old vertex, and closing that leaves edges a tolerance longer:
+        // few edges, in the second round fewer.
+        for (int round = 0; round < 16; ++round) {
             statistics.tJunctions += closed;
-            done = done || closed == 0;
+            const bool complete = splitLongest(topology, options, limit, statistics.splits);
+            closed = close(topology, tolerance, options.maxTriangles);
+            if (!complete || closed == 0) break;
         }
+        statistics.tJunctions += closed;
     }
     statistics.longestEdge = longestEdge(topology);
     topology.finish();
@@ -227,6 +232,7 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
 
 std::size_t closeTJunctions(Mesh& mesh, float tolerance) {
     Topology topology(mesh);
+    dropNoise(topology, tolerance);
     const std::size_t closed = close(topology, tolerance, RefineOptions{}.maxTriangles);
     topology.finish();
     return closed;

@@ -60,8 +60,15 @@ float Topology::squaredLength(std::uint32_t e) const {
 
 std::uint32_t Topology::middle(std::uint32_t e) {
     const Edge& edge = edges_[e];
-    const std::uint32_t at = positionIndex_.add(positions_, 0.5F * (positions_[edge.a] + positions_[edge.b]));
-    return at == edge.a || at == edge.b ? none : at;
+    const Vec3 p = positions_[edge.a];
+    const Vec3 q = positions_[edge.b];
+    const Vec3 mean = 0.5F * (p + q);
+    // Near the end of what floats resolve, the middle is rounded away from the edge, or onto one of its ends.
+    const glm::dvec3 exact = 0.5 * (glm::dvec3(p) + glm::dvec3(q));
+    const glm::dvec3 off = glm::dvec3(mean) - exact;
+    const glm::dvec3 along = glm::dvec3(q) - glm::dvec3(p);
+    if (!(glm::dot(off, off) < 1e-4 * glm::dot(along, along))) return none;
+    return positionIndex_.add(positions_, mean);
 }
 
 std::uint32_t Topology::edgeBetween(std::uint32_t p, std::uint32_t q) {
@@ -126,55 +133,79 @@ std::uint32_t Topology::between(std::uint32_t from, std::uint32_t to, float shar
     return made_.back().vertex;
 }
 
+void Topology::drop(std::uint32_t triangle) {
+    for (std::uint32_t i = 0; i < 3; ++i) unlink(3 * triangle + i);
+    mesh_.triangles[triangle].vertices = {none, none, none};
+    ++dropped_;
+}
+
+void Topology::dropFlat(double tolerance) {
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+        const std::array<std::uint32_t, 3>& v = mesh_.triangles[t].vertices;
+        if (v[0] == none) continue;
+        const auto at = [&](std::size_t i) { return positions_[positionOf_[v[i]]]; };
+        if (flat({at(0), at(1), at(2)}, tolerance)) drop(t);
+    }
+}
+
+bool Topology::splitsWell(std::uint32_t e, std::uint32_t position, double off) const {
+    const glm::dvec3 a(positions_[edges_[e].a]);
+    const glm::dvec3 b(positions_[edges_[e].b]);
+    const glm::dvec3 p(positions_[position]);
+    const glm::dvec3 along = b - a;
+    const double length = glm::length(along);
+    for (std::uint32_t corner = edges_[e].corner; corner != none; corner = next_[corner]) {
+        const std::uint32_t apex = mesh_.triangles[corner / 3].vertices[following(following(corner % 3))];
+        const glm::dvec3 c(positions_[positionOf_[apex]]);
+        const glm::dvec3 across = glm::cross(along, c - a);
+        const double share = glm::dot(c - a, along) / (length * length);
+        const bool beside = share > 0.01 && share < 0.99;
+        if (beside && off >= 0.25 * glm::length(across) / length) return false;
+        if (glm::dot(glm::cross(p - a, c - a), across) <= 0 || glm::dot(glm::cross(b - p, c - p), across) <= 0)
+            return false;
+    }
+    return true;
+}
+
 std::size_t Topology::split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched) {
     const std::uint32_t a = edges_[e].a;
-    const std::uint32_t b = edges_[e].b;
     const std::size_t triangles = edges_[e].count;
-    std::uint32_t corner = edges_[e].corner;
-    edges_[e].corner = none;
-    edges_[e].count = 0;
     const std::uint32_t nearA = edgeBetween(a, position);
-    const std::uint32_t nearB = edgeBetween(position, b);
+    const std::uint32_t nearB = edgeBetween(position, edges_[e].b);
     touched.push_back(nearA);
     touched.push_back(nearB);
     made_.clear();
-    while (corner != none) {
-        const std::uint32_t following1 = next_[corner];
-        const std::uint32_t t = corner / 3;
-        const std::uint32_t i = corner % 3;
+    while (edges_[e].corner != none) {
+        const std::uint32_t i = edges_[e].corner % 3;
         const std::uint32_t j = following(i);
         const std::uint32_t k = following(j);
+        const std::uint32_t t = edges_[e].corner / 3;
         const MeshTriangle whole = mesh_.triangles[t];
         const std::uint32_t apex = positionOf_[whole.vertices[k]];
-        if (apex == position) {
-            // A sliver whose third corner is the point itself: no area is left on either side.
-            unlink(3 * t + j);
-            unlink(3 * t + k);
-            mesh_.triangles[t].vertices = {none, none, none};
-            ++dropped_;
-        } else {
-            const bool forward = positionOf_[whole.vertices[i]] == a;
-            const std::uint32_t m = forward ? between(whole.vertices[i], whole.vertices[j], share, position)
-                                            : between(whole.vertices[j], whole.vertices[i], share, position);
-            const auto other = static_cast<std::uint32_t>(mesh_.triangles.size());
-            MeshTriangle second = whole;
-            second.vertices[i] = m;
-            mesh_.triangles[t].vertices[j] = m;
-            mesh_.triangles.push_back(second);
-            cornerEdge_.resize(cornerEdge_.size() + 3, none);
-            next_.resize(next_.size() + 3, none);
-            previous_.resize(previous_.size() + 3, none);
-            const std::uint32_t kept = cornerEdge_[3 * t + j];
-            unlink(3 * t + j);
-            link(3 * other + j, kept);
-            link(3 * t + i, forward ? nearA : nearB);
-            link(3 * other + i, forward ? nearB : nearA);
-            const std::uint32_t across = edgeBetween(position, apex);
-            link(3 * t + j, across);
-            link(3 * other + k, across);
-            touched.push_back(across);
+        if (apex == position) { // no area is left on either side
+            drop(t);
+            continue;
         }
-        corner = following1;
+        unlink(3 * t + i);
+        const bool forward = positionOf_[whole.vertices[i]] == a;
+        const std::uint32_t m = forward ? between(whole.vertices[i], whole.vertices[j], share, position)
+                                        : between(whole.vertices[j], whole.vertices[i], share, position);
+        const auto other = static_cast<std::uint32_t>(mesh_.triangles.size());
+        mesh_.triangles[t].vertices[j] = m;
+        mesh_.triangles.push_back(whole);
+        mesh_.triangles.back().vertices[i] = m;
+        cornerEdge_.resize(cornerEdge_.size() + 3, none);
+        next_.resize(next_.size() + 3, none);
+        previous_.resize(previous_.size() + 3, none);
+        const std::uint32_t kept = cornerEdge_[3 * t + j];
+        unlink(3 * t + j);
+        link(3 * other + j, kept);
+        link(3 * t + i, forward ? nearA : nearB);
+        link(3 * other + i, forward ? nearB : nearA);
+        const std::uint32_t across = edgeBetween(position, apex);
+        link(3 * t + j, across);
+        link(3 * other + k, across);
+        touched.push_back(across);
     }
     return triangles;
 }

@@ -33,11 +33,16 @@ public:
     [[nodiscard]] float squaredLength(std::uint32_t e) const;
 
     /// The position in the middle of the edge, an existing one where there is one; none when the edge is so short that
-    /// its middle is one of its ends.
+    /// floats have no point there.
     [[nodiscard]] std::uint32_t middle(std::uint32_t e);
     /// Splits all triangles of the edge at `position`, whose attributes lie at `share` of the way from a to b. Edges
     /// made or met again are appended to `touched`. Returns the number of triangles split.
     std::size_t split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched);
+    /// Drops the triangles that are flat to `tolerance`.
+    void dropFlat(double tolerance);
+    /// True when `position`, which lies `off` the edge, may end it: no triangle of the edge is turned over by that, and
+    /// none is so thin that the position is its neighbour rather than a vertex on its edge.
+    [[nodiscard]] bool splitsWell(std::uint32_t e, std::uint32_t position, double off) const;
 
     /// Hands the mesh back: dropped triangles leave, the rest are ordered by surface, older before newer.
     void finish();
@@ -51,6 +56,7 @@ private:
     std::uint32_t edgeBetween(std::uint32_t p, std::uint32_t q);
     void link(std::uint32_t corner, std::uint32_t e);
     void unlink(std::uint32_t corner);
+    void drop(std::uint32_t triangle);
     std::uint32_t addVertex(std::uint32_t from, std::uint32_t to, float share, std::uint32_t position);
     std::uint32_t between(std::uint32_t from, std::uint32_t to, float share, std::uint32_t position);
 
