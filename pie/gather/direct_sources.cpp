@@ -168,11 +168,12 @@ Rgb Sources::unoccluded(std::size_t source, const Place& place) const {
     Rgb sum(0.0F);
     for (unsigned i = 0; i < unoccludedSamples; ++i) {
         const auto n = static_cast<float>(i);
-        // R2 sequence: even in the square.
+        // R2 sequence: even in the square. Each with its opposite on a sphere, so that first-order terms cancel.
         const Vec2 u = glm::fract(Vec2(0.5F) + n * Vec2(0.7548776662F, 0.5698402910F));
-        sum += sample(source, place, u).irradiance;
+        const Vec2 opposite(std::min(1.0F - u.x, 0.99999994F), glm::fract(u.y + 0.5F));
+        sum += sample(source, place, u).irradiance + sample(source, place, opposite).irradiance;
     }
-    return sum / static_cast<float>(unoccludedSamples);
+    return sum / static_cast<float>(2 * unoccludedSamples);
 }
 
 std::size_t Sources::bytes() const {
