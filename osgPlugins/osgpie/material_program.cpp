@@ -1,5 +1,7 @@
 #include "osgPlugins/osgpie/material_program.h"
 
+#include "pie/level/level.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,7 +85,7 @@ std::string textureCoordinates(const Stage& stage, std::size_t i, const char* ba
             code += fmt::format("    st{0} *= vec2({1}, {2});\n", i, number(v[0]), number(v[1]));
             break;
         case TcModKind::Rotate:
-            code += fmt::format("    {{ float a = radians(-{1} * TIME); float s = sin(a), c = cos(a);\n"
+            code += fmt::format("    {{ float a = radians(-({1}) * TIME); float s = sin(a), c = cos(a);\n"
                                 "      st{0} = vec2(c * st{0}.x - s * st{0}.y + 0.5 - 0.5 * c + 0.5 * s, s * st{0}.x + "
                                 "c * st{0}.y + 0.5 - "
                                 "0.5 * s - 0.5 * c); }}\n",
@@ -210,8 +212,11 @@ public:
             out_.visible = false;
             return std::move(out_);
         }
-        for (const std::string& image : box ? skyBoxImages(shader_.skyBox) : std::vector<std::string>{})
-            out_.units.push_back({Stage::Source::Image, {image}, 0, true});
+        if (box) {
+            const auto sides = pie::level::skyBoxImages(shader_.skyBox); // +x +y −x −y up down
+            for (const std::size_t side : {0U, 2U, 1U, 3U, 4U, 5U})
+                out_.units.push_back({Stage::Source::Image, {sides.at(side)}, 0, true});
+        }
         unitOf_.assign(stages_.size(), -1);
         for (std::size_t i = 0; i < stages_.size(); ++i) {
             if (stages_[i]->source != Stage::Source::Image) continue;
@@ -564,11 +569,5 @@ vec3 box(vec3 d) {
 MaterialProgram makeMaterialProgram(const Shader& shader, const Look& look) { return Writer(shader, look).write(); }
 
 MaterialProgram makeSkyProgram(const Shader& shader, const Look& look) { return Writer(shader, look).writeSky(); }
-
-std::vector<std::string> skyBoxImages(const std::string& baseName) {
-    std::vector<std::string> names;
-    for (const char* side : {"_rt", "_lf", "_bk", "_ft", "_up", "_dn"}) names.push_back(baseName + side);
-    return names;
-}
 
 } // namespace osgpie

@@ -57,7 +57,4 @@ struct MaterialProgram {
 /// has one), then the cloud stages on a dome of radius 4096 + cloudHeight, as the game maps them.
 [[nodiscard]] MaterialProgram makeSkyProgram(const pie::level::Shader& shader, const Look& look);
 
-/// Image names of a sky box in the order of the units: +x −x +y −y up down.
-[[nodiscard]] std::vector<std::string> skyBoxImages(const std::string& baseName);
-
 } // namespace osgpie
