@@ -23,6 +23,14 @@ as_root() {
     fi
 }
 
+# quietly LOG COMMAND…: output into the log, shown when the command fails.
+quietly() {
+    local log=$1
+    shift
+    mkdir -p "$(dirname "$log")"
+    "$@" >"$log" 2>&1 || { tail -n 60 "$log" >&2; die "failed: $* (all of it: $log)"; }
+}
+
 # missing_packages NAME…: those that are not installed, one a line.
 missing_packages() {
     local package
@@ -50,16 +58,7 @@ need_packages() {
     [ ${#missing[@]} -gt 0 ] || return 0
     say "installing ${missing[*]}"
     refresh_lists
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o Dpkg::Use-Pty=0 \
-        "${missing[@]}" >/dev/null || die "apt-get install failed: ${missing[*]}"
-}
-
-# quietly LOG COMMAND…: output into the log, shown when the command fails.
-quietly() {
-    local log=$1
-    shift
-    mkdir -p "$(dirname "$log")"
-    "$@" >"$log" 2>&1 || { tail -n 60 "$log" >&2; die "failed: $* (all of it: $log)"; }
+    quietly "$top/build/apt.log" as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
 # build PRESET [CMAKE ARGUMENT…]: configures and builds everything; log in build/PRESET.log. A copied or moved tree is configured anew.
