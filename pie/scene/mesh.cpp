@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <utility>
+#include <span>
 
 namespace pie::scene {
 namespace {
@@ -38,14 +38,17 @@ Junction findJunction(const Topology& topology, std::uint32_t e, const PointGrid
     if (!(length > 0) || !std::isfinite(length)) return found;
     const double radius = reachOf(length, tolerance);
     const double end = radius / length;
+    const double perSquared = 1.0 / (length * length);
     double best = std::numeric_limits<double>::infinity();
     grids.forLength(length).nearSegment(a, b, radius, [&](const PointGrid::Entry& entry) {
         const glm::dvec3 d = glm::dvec3(entry.position) - glm::dvec3(a);
-        const double t = glm::dot(d, along) / (length * length);
+        const double t = glm::dot(d, along) * perSquared;
         if (!(t > end && t < 1.0 - end)) return;
-        const double off = glm::length(d - t * along);
+        const glm::dvec3 away = d - t * along;
+        if (glm::dot(away, away) >= radius * radius) return;
+        const double off = glm::length(away);
         const double fromMiddle = std::abs(t - 0.5);
-        if (off >= radius || fromMiddle > best || (fromMiddle == best && entry.point >= found.position)) return;
+        if (fromMiddle > best || (fromMiddle == best && entry.point >= found.position)) return;
         if (!topology.splitsWell(e, entry.point, off)) return;
         best = fromMiddle;
         found = {entry.point, static_cast<float>(t)};
@@ -53,15 +56,10 @@ Junction findJunction(const Topology& topology, std::uint32_t e, const PointGrid
     return found;
 }
 
-double meanLength(const Topology& topology) {
+double meanLength(const Topology& topology, std::span<const std::uint32_t> edges) {
     double sum = 0;
-    std::size_t count = 0;
-    for (std::uint32_t e = 0; e < topology.edgeCount(); ++e) {
-        if (topology.edge(e).count == 0) continue;
-        sum += std::sqrt(topology.squaredLength(e));
-        ++count;
-    }
-    return count == 0 ? 1.0 : sum / static_cast<double>(count);
+    for (const std::uint32_t e : edges) sum += std::sqrt(topology.squaredLength(e));
+    return edges.empty() ? 1.0 : sum / static_cast<double>(edges.size());
 }
 
 /// Slivers no wider than the rounding of positions would keep the vertices beside them from being closed.
@@ -73,23 +71,23 @@ void dropNoise(Topology& topology, double tolerance) {
 /// any mesh of surfaces; the bound is for heaps of triangles that are not one.
 std::size_t close(Topology& topology, double tolerance, std::size_t maxTriangles) {
     if (!(tolerance > 0)) return 0;
-    const PointGrids grids(topology.positions(), 0.5 * meanLength(topology));
-    std::vector<Junction> junctions(topology.edgeCount());
-    parallelChunks(junctions.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t e = begin; e < end; ++e)
-            junctions[e] = findJunction(topology, static_cast<std::uint32_t>(e), grids, tolerance);
+    const std::vector<std::uint32_t> edges = topology.edgesInOrder();
+    const PointGrids grids(topology.positions(), meanLength(topology, edges));
+    std::vector<Junction> junctions(edges.size());
+    parallelChunks(edges.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) junctions[i] = findJunction(topology, edges[i], grids, tolerance);
     });
     std::size_t closed = 0;
-    const std::size_t most = 16 * topology.edgeCount();
+    const std::size_t most = 16 * edges.size();
     std::vector<std::uint32_t> waiting;
     const auto closeAt = [&](std::uint32_t e, const Junction& junction) {
         if (junction.position == Topology::none || topology.edge(e).count == 0) return;
         if (closed >= most || topology.triangleCount() + topology.edge(e).count > maxTriangles) return;
-        topology.split(e, junction.position, junction.share, waiting);
+        topology.split(e, junction.position, junction.share, waiting, &waiting);
         ++closed;
     };
-    for (std::uint32_t first = 0; first < junctions.size(); ++first) {
-        closeAt(first, junctions[first]);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        closeAt(edges[i], junctions[i]);
         while (!waiting.empty()) {
             const std::uint32_t e = waiting.back();
             waiting.pop_back();
@@ -146,21 +144,19 @@ private:
     std::vector<bool> queued_;
 };
 
-/// True when it stopped because no edge is left to split.
-bool splitLongest(Topology& topology, const RefineOptions& options, float limit, std::size_t& splits) {
+void splitLongest(Topology& topology, const RefineOptions& options, float limit, std::size_t& splits) {
     EdgeQueue queue(topology, limit);
     std::vector<std::uint32_t> touched;
     while (splits < options.maxSplits) {
         const std::uint32_t e = queue.take();
-        if (e == Topology::none) return true;
-        if (topology.triangleCount() + topology.edge(e).count > options.maxTriangles) return false;
+        if (e == Topology::none) return;
+        if (topology.triangleCount() + topology.edge(e).count > options.maxTriangles) return;
         const std::uint32_t position = topology.middle(e);
         if (position == Topology::none) continue;
         touched.clear();
         splits += topology.split(e, position, 0.5F, touched);
         for (const std::uint32_t t : touched) queue.offer(t);
     }
-    return false;
 }
 
 float longestEdge(const Topology& topology) {
@@ -214,16 +210,10 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
     constexpr double tolerance = 0.01;
     if (options.maxSplits > 0 && (byLength || byCount)) {
         dropNoise(topology, tolerance);
-        std::size_t closed = close(topology, tolerance, options.maxTriangles);
-        // Where surfaces cross, a new edge can pass an old vertex, and closing that leaves edges a tolerance longer:
-        // few edges, in the second round fewer.
-        for (int round = 0; round < 16; ++round) {
-            statistics.tJunctions += closed;
-            const bool complete = splitLongest(topology, options, limit, statistics.splits);
-            closed = close(topology, tolerance, options.maxTriangles);
-            if (!complete || closed == 0) break;
-        }
-        statistics.tJunctions += closed;
+        statistics.tJunctions = close(topology, tolerance, options.maxTriangles);
+        splitLongest(topology, options, limit, statistics.splits);
+        // Where surfaces cross, a new edge can pass an old vertex.
+        statistics.tJunctions += close(topology, tolerance, options.maxTriangles);
     }
     statistics.longestEdge = longestEdge(topology);
     topology.finish();

@@ -31,8 +31,9 @@ struct Mesh {
 struct RefineOptions {
     std::size_t maxSplits =
         std::numeric_limits<std::size_t>::max();            ///< triangles split, the paper's mesh_refinement; 0: none
-    float maxEdge = std::numeric_limits<float>::infinity(); ///< go on until no edge is longer than this, in units
-    std::size_t maxTriangles = 4'000'000;                   ///< hard bound on memory
+    float maxEdge = std::numeric_limits<float>::infinity(); ///< go on until no edge is longer than this, in units;
+                                                            ///< edges of a closed T-junction may be 0.01 longer
+    std::size_t maxTriangles = 4'000'000; ///< hard bound on memory
 };
 struct RefineStatistics {
     std::size_t splits = 0, tJunctions = 0;

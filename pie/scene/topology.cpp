@@ -167,7 +167,8 @@ bool Topology::splitsWell(std::uint32_t e, std::uint32_t position, double off) c
     return true;
 }
 
-std::size_t Topology::split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched) {
+std::size_t Topology::split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched,
+                            std::vector<std::uint32_t>* beside) {
     const std::uint32_t a = edges_[e].a;
     const std::size_t triangles = edges_[e].count;
     const std::uint32_t nearA = edgeBetween(a, position);
@@ -206,11 +207,12 @@ std::size_t Topology::split(std::uint32_t e, std::uint32_t position, float share
         link(3 * t + j, across);
         link(3 * other + k, across);
         touched.push_back(across);
+        if (beside != nullptr) beside->insert(beside->end(), {kept, cornerEdge_[3 * t + k]});
     }
     return triangles;
 }
 
-void Topology::finish() {
+std::vector<std::uint32_t> Topology::trianglesBySurface() const {
     std::vector<std::uint32_t> begin;
     for (const MeshTriangle& triangle : mesh_.triangles) {
         if (triangle.vertices[0] == none) continue;
@@ -218,9 +220,30 @@ void Topology::finish() {
         ++begin[triangle.surface + 1];
     }
     for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
-    std::vector<MeshTriangle> ordered(triangleCount());
-    for (const MeshTriangle& triangle : mesh_.triangles)
-        if (triangle.vertices[0] != none) ordered[begin[triangle.surface]++] = triangle;
+    std::vector<std::uint32_t> ordered(triangleCount());
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+        if (mesh_.triangles[t].vertices[0] != none) ordered[begin[mesh_.triangles[t].surface]++] = t;
+    return ordered;
+}
+
+std::vector<std::uint32_t> Topology::edgesInOrder() const {
+    std::vector<std::uint32_t> ordered;
+    ordered.reserve(2 * triangleCount());
+    std::vector<bool> seen(edges_.size(), false);
+    for (const std::uint32_t t : trianglesBySurface())
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t e = cornerEdge_[3 * t + i];
+            if (seen[e]) continue;
+            seen[e] = true;
+            ordered.push_back(e);
+        }
+    return ordered;
+}
+
+void Topology::finish() {
+    std::vector<MeshTriangle> ordered;
+    ordered.reserve(triangleCount());
+    for (const std::uint32_t t : trianglesBySurface()) ordered.push_back(mesh_.triangles[t]);
     mesh_.triangles = std::move(ordered);
 }
 

@@ -32,12 +32,17 @@ public:
     [[nodiscard]] std::size_t triangleCount() const { return mesh_.triangles.size() - dropped_; }
     [[nodiscard]] float squaredLength(std::uint32_t e) const;
 
+    /// The edges that some triangle has, each once, surface by surface: who visits many edges does so place by place.
+    [[nodiscard]] std::vector<std::uint32_t> edgesInOrder() const;
+
     /// The position in the middle of the edge, an existing one where there is one; none when the edge is so short that
     /// floats have no point there.
     [[nodiscard]] std::uint32_t middle(std::uint32_t e);
     /// Splits all triangles of the edge at `position`, whose attributes lie at `share` of the way from a to b. Edges
-    /// made or met again are appended to `touched`. Returns the number of triangles split.
-    std::size_t split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched);
+    /// made or met again are appended to `touched`, and where asked for, old ones that got other triangles to `beside`.
+    /// Returns the number of triangles split.
+    std::size_t split(std::uint32_t e, std::uint32_t position, float share, std::vector<std::uint32_t>& touched,
+                      std::vector<std::uint32_t>* beside = nullptr);
     /// Drops the triangles that are flat to `tolerance`.
     void dropFlat(double tolerance);
     /// True when `position`, which lies `off` the edge, may end it: no triangle of the edge is turned over by that, and
@@ -57,6 +62,7 @@ private:
     void link(std::uint32_t corner, std::uint32_t e);
     void unlink(std::uint32_t corner);
     void drop(std::uint32_t triangle);
+    [[nodiscard]] std::vector<std::uint32_t> trianglesBySurface() const;
     std::uint32_t addVertex(std::uint32_t from, std::uint32_t to, float share, std::uint32_t position);
     std::uint32_t between(std::uint32_t from, std::uint32_t to, float share, std::uint32_t position);
 
