@@ -22,10 +22,11 @@ constexpr float defaultIntensity = 300.0F;
 
 enum Spawnflags : unsigned { Linear = 1, NoAngle = 2, Unnormalised = 32 };
 
+bool sameLetter(char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
 bool startsWith(std::string_view text, std::string_view prefix) {
-    return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
-               return a == std::tolower(static_cast<unsigned char>(b));
-           });
+    return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), sameLetter);
 }
 bool same(std::string_view a, std::string_view b) { return a.size() == b.size() && startsWith(a, b); }
 

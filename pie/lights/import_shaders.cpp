@@ -35,7 +35,7 @@ Rgb colourOf(const level::Level& level, const level::Shader& shader, bool linear
 
 Rgb skyColour(const level::Level& level, const level::Shader& shader, bool linear) {
     if (!shader.skyBox.empty() && shader.skyBox != "-")
-        if (const level::Texture* up = level.texture(shader.skyBox + "_up"); up != nullptr && up->image)
+        if (const level::Texture* up = level.texture(level::skyBoxImages(shader.skyBox)[4]); up != nullptr && up->image)
             return normalised(meanColour(*up->image, linear));
     return colourOf(level, shader, linear);
 }

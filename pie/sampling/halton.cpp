@@ -1,7 +1,6 @@
 #include "pie/sampling/halton.h"
 
 #include <algorithm>
-#include <map>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -99,15 +98,20 @@ private:
 
 namespace {
 
+/// Tables of the seeds used last, so that short-lived Halton objects of one seed do not build them again and again.
 std::shared_ptr<const detail::HaltonTables> tablesOf(std::uint64_t seed) {
+    constexpr std::size_t remembered = 4;
     static std::mutex mutex;
-    static std::map<std::uint64_t, std::weak_ptr<const detail::HaltonTables>> known;
+    static std::vector<std::pair<std::uint64_t, std::shared_ptr<const detail::HaltonTables>>> known; // latest last
     const std::lock_guard lock(mutex);
-    std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
-    if (auto tables = known[seed].lock()) return tables;
-    auto tables = std::make_shared<const detail::HaltonTables>(seed);
-    known[seed] = tables;
-    return tables;
+    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& entry) { return entry.first == seed; });
+    if (found != known.end()) {
+        std::rotate(found, found + 1, known.end());
+        return known.back().second;
+    }
+    if (known.size() == remembered) known.erase(known.begin());
+    known.emplace_back(seed, std::make_shared<const detail::HaltonTables>(seed));
+    return known.back().second;
 }
 
 } // namespace

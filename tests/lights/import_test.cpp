@@ -258,6 +258,7 @@ TEST(Import, ColourOfTheLightImage) {
     texture.name = "textures/lamp_glow";
     texture.path = "textures/lamp_glow.tga";
     texture.image = image;
+    level.textureIndex[texture.name] = static_cast<std::uint32_t>(level.textures.size());
     level.textures.push_back(texture);
     auto shader = lampShader(100);
     shader.light.lightImage = "textures/lamp_glow";
