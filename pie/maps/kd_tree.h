@@ -3,19 +3,20 @@
 // 5.3.2), searched without recursion and without allocating (5.3.3).
 //
 // `build`, then ask from as many threads as you like. Answers are those of ExactMap, bit for bit: halves are cut in the
-// total order of (coordinate, number), distances are computed in one order of operations, and a half is skipped only
+// total order of (coordinate, number), distances are computed in one order of operations, and a part is skipped only
 // where rounding, too, puts every photon of it past the reach of the search. Photons with a position that is not
 // finite are kept but never found.
 //
-// Positions lie in tree order in blocks of stopRecursionSize per axis, so that a leaf is compared in a few vector
-// instructions; the photon itself is only read when it is near enough.
+// Two things make it fast. A node stands for two halvings: it holds the tight bounding boxes of its four quarters side
+// by side, so that all four distances take a few vector instructions; tight boxes rather than cutting planes, because
+// photons lie on surfaces and most of a half is empty. And positions lie in tree order in blocks of stopRecursionSize
+// per axis; the photon itself is only read when it is near enough.
 
 #include "pie/maps/nearest.h"
 
 #include <array>
 #include <bit>
 #include <cstddef>
-#include <limits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -46,35 +47,38 @@ public:
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const;
 
 private:
-    /// Along `axis`, the lower half ends at `low` and the upper begins at `high`.
-    struct Node {
-        float low = 0, high = 0;
-        std::uint32_t axis = 0;
+    static constexpr std::size_t width = 4; ///< children of a node
+    /// Boxes by axis and child. Those of absent children are NaN: never near.
+    struct alignas(32) Node {
+        std::array<std::array<float, width>, 3> lower, upper;
+        std::uint32_t
+            firstChild; ///< nodes first, then leaves: from nodes_.size() on, leaf number child − nodes_.size()
     };
     struct alignas(64) Leaf {
         std::array<std::array<float, stopRecursionSize>, 3> position; ///< by axis; unused slots are NaN: never near
         std::array<std::uint32_t, stopRecursionSize> number;          ///< in photons()
     };
-    /// A half that waits to be searched, with the squared distances to it along the three axes.
+    /// A part of the tree that waits to be searched.
     struct Waiting {
-        std::uint32_t node;
-        std::array<float, 3> offset;
+        float distance;
+        std::uint32_t part;
     };
-    /// 2^32 photons in leaves that are at least half full.
-    static constexpr std::size_t maxDepth = 32;
+    /// 2^32 photons in leaves that are at least half full make 29 halvings, so 15 nodes on the way down; each leaves
+    /// three quarters waiting and one is under way.
+    static constexpr std::size_t mostWaiting = 3 * 15 + 1;
 
     template <class Reach, class Candidate>
     void search(const Vec3& point, const Reach& reach, const Candidate& candidate) const;
     static std::uint32_t near(const Leaf& leaf, const Vec3& point, float reach,
                               std::array<float, stopRecursionSize>& distance);
+    static std::uint32_t near(const Node& node, const Vec3& point, float reach, std::array<float, width>& distance);
 
     struct Item;
     struct Builder;
 
     std::vector<photons::Photon> photons_;
-    std::vector<Node> nodes_; ///< node 1 is the root, children of i are 2i and 2i + 1; from firstLeaf_ on: leaves
+    std::vector<Node> nodes_; ///< level by level, the root first; empty when one leaf holds all
     std::vector<Leaf> leaves_;
-    std::uint32_t firstLeaf_ = 1;
     Box bounds_;
 };
 
@@ -104,39 +108,75 @@ inline std::uint32_t KdTree::near(const Leaf& leaf, const Vec3& point, float rea
     return mask;
 }
 
-/// Walks the leaves that can hold something within reach(), nearest halves first. candidate(number, distanceSquared)
+/// The same for the boxes of a node's children. Rounded like distanceSquared, which only grows with each coordinate:
+/// never more than the distance of any photon in the box.
+inline std::uint32_t KdTree::near(const Node& node, const Vec3& point, float reach,
+                                  std::array<float, width>& distance) {
+#if defined(__SSE2__)
+    __m128 sum = _mm_setzero_ps();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
+        const __m128 p = _mm_set1_ps(point[axis]);
+        const __m128 below = _mm_sub_ps(_mm_load_ps(node.lower[i].data()), p);
+        const __m128 above = _mm_sub_ps(p, _mm_load_ps(node.upper[i].data()));
+        // The second operand wins when one is NaN.
+        const __m128 gap = _mm_max_ps(_mm_setzero_ps(), _mm_max_ps(below, above));
+        sum = _mm_add_ps(sum, _mm_mul_ps(gap, gap));
+    }
+    _mm_store_ps(distance.data(), sum);
+    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(sum, _mm_set1_ps(reach))));
+#else
+    std::uint32_t mask = 0;
+    for (std::size_t child = 0; child < width; ++child) {
+        float sum = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<std::size_t>(axis);
+            const float below = node.lower[i][child] - point[axis];
+            const float above = point[axis] - node.upper[i][child];
+            const float outside = below > above ? below : above;
+            const float gap = 0.0F > outside ? 0.0F : outside; // NaN stays NaN
+            sum += gap * gap;
+        }
+        distance[child] = sum;
+        mask |= static_cast<std::uint32_t>(sum <= reach) << child;
+    }
+    return mask;
+#endif
+}
+
+/// Walks the leaves that can hold something within reach(), nearest parts first. candidate(number, distanceSquared)
 /// may shrink the reach.
 template <class Reach, class Candidate>
 void KdTree::search(const Vec3& point, const Reach& reach, const Candidate& candidate) const {
-    if (leaves_.empty() || !isFinite(point)) return;
-    std::array<Waiting, maxDepth> stack; // NOLINT(cppcoreguidelines-pro-type-member-init): filled as it grows
+    if (leaves_.empty() || !isFinite(point) || !(reach() >= 0.0F)) return;
+    std::array<Waiting, mostWaiting> stack; // NOLINT(cppcoreguidelines-pro-type-member-init): filled as it grows
     std::size_t waiting = 0;
     alignas(64) std::array<float, stopRecursionSize> distance;
-    Waiting here{1, {0.0F, 0.0F, 0.0F}};
+    alignas(16) std::array<float, width> gap;
+    const auto nodeCount = static_cast<std::uint32_t>(nodes_.size());
+    std::uint32_t part = 0;
     for (;;) {
-        while (here.node < firstLeaf_) {
-            const Node& node = nodes_[here.node];
-            const float p = point[static_cast<int>(node.axis)];
-            const float pastLow = p - node.low;
-            const float beforeHigh = node.high - p;
-            const bool lower = pastLow < beforeHigh;
-            const float gap = lower ? beforeHigh : pastLow;
-            Waiting far = here;
-            far.node = 2 * here.node + (lower ? 1U : 0U);
-            // Rounded like distanceSquared, which only grows with each coordinate: never more than the true answer.
-            far.offset[node.axis] = gap * gap;
-            here.node = 2 * here.node + (lower ? 0U : 1U);
-            if ((far.offset[0] + far.offset[1]) + far.offset[2] <= reach()) stack[waiting++] = far;
-        }
-        const Leaf& leaf = leaves_[here.node - firstLeaf_];
-        for (std::uint32_t mask = near(leaf, point, reach(), distance); mask != 0; mask &= mask - 1) {
-            const auto slot = static_cast<std::size_t>(std::countr_zero(mask));
-            if (distance[slot] <= reach()) candidate(leaf.number[slot], distance[slot]);
+        if (part < nodeCount) {
+            const Node& node = nodes_[part];
+            const std::size_t below = waiting;
+            for (std::uint32_t mask = near(node, point, reach(), gap); mask != 0; mask &= mask - 1) {
+                const auto child = static_cast<std::size_t>(std::countr_zero(mask));
+                // Nearest on top; of equals the lower number.
+                std::size_t at = waiting++;
+                for (; at > below && stack[at - 1].distance <= gap[child]; --at) stack[at] = stack[at - 1];
+                stack[at] = {gap[child], node.firstChild + static_cast<std::uint32_t>(child)};
+            }
+        } else {
+            const Leaf& leaf = leaves_[part - nodeCount];
+            for (std::uint32_t mask = near(leaf, point, reach(), distance); mask != 0; mask &= mask - 1) {
+                const auto slot = static_cast<std::size_t>(std::countr_zero(mask));
+                if (distance[slot] <= reach()) candidate(leaf.number[slot], distance[slot]);
+            }
         }
         do {
             if (waiting == 0) return;
-            here = stack[--waiting];
-        } while (!((here.offset[0] + here.offset[1]) + here.offset[2] <= reach()));
+            part = stack[--waiting].part;
+        } while (!(stack[waiting].distance <= reach()));
     }
 }
 

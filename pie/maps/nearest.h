@@ -20,6 +20,8 @@ struct Neighbour {
 
     /// One number in the order of (distance², number): distances are not negative, so their bits sort like them.
     [[nodiscard]] std::uint64_t key() const {
+        if constexpr (std::endian::native == std::endian::little)
+            return std::rotl(std::bit_cast<std::uint64_t>(*this), 32);
         return (std::uint64_t{std::bit_cast<std::uint32_t>(distanceSquared)} << 32U) | photon;
     }
     /// Total order: nearer first, then lower number. With it the k nearest are one set even among ties and duplicates.
@@ -81,14 +83,27 @@ private:
     float reach_ = -1;
 };
 
+/// Sinks the hole to the bottom along the larger children, then lifts the value: it nearly always belongs near the
+/// bottom, so this branches predictably where comparing on the way down does not.
 inline void NearestQueue::siftDown(std::size_t hole, const Neighbour& value) {
     const std::size_t size = found_.size();
+    const std::size_t top = hole;
     Neighbour* const heap = found_.data();
-    for (std::size_t child = 2 * hole + 1; child < size; child = 2 * hole + 1) {
-        if (child + 1 < size && heap[child] < heap[child + 1]) ++child;
-        if (!(value < heap[child])) break;
+    std::size_t child = 2 * hole + 1;
+    for (; child + 1 < size; child = 2 * hole + 1) {
+        child += static_cast<std::size_t>(heap[child].key() < heap[child + 1].key());
         heap[hole] = heap[child];
         hole = child;
+    }
+    if (child < size) {
+        heap[hole] = heap[child];
+        hole = child;
+    }
+    while (hole > top) {
+        const std::size_t parent = (hole - 1) / 2;
+        if (!(heap[parent] < value)) break;
+        heap[hole] = heap[parent];
+        hole = parent;
     }
     heap[hole] = value;
 }
