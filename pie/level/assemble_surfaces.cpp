@@ -50,11 +50,12 @@ private:
     std::unordered_map<std::string, std::int64_t> byKey_;
 };
 
+/// In double: damaged normals may be long enough for their square to overflow a float.
 Vec3 unitOr(const Vec3& v, const Vec3& fallback) {
-    const float length = glm::length(v);
-    if (length > 1e-6F) return v / length;
-    const float other = glm::length(fallback);
-    return std::isfinite(other) && other > 1e-6F ? fallback / other : Vec3(0, 0, 1);
+    for (const Vec3& candidate : {v, fallback})
+        if (const double length = glm::length(glm::dvec3(candidate)); std::isfinite(length) && length > 1e-6)
+            return Vec3(glm::dvec3(candidate) / length);
+    return {0, 0, 1};
 }
 
 std::span<const BspVertex> verticesOf(const Bsp& bsp, const BspFace& face) {

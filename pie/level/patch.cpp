@@ -39,21 +39,24 @@ PatchVertex blend(const PatchVertex& a, const PatchVertex& b, const PatchVertex&
 /// a pipe two units wide must stay round.
 constexpr double straightBow = 0.1;
 
+/// How far a piece may bow, as a share of its length: six pieces for a quarter of a circle, whose area is then right
+/// within 0.3 %.
+constexpr double roundBow = 0.03;
+
 /// Pieces of one quadratic Bézier segment so that no chord is farther than `tolerance` from the curve; the same from
-/// either end. Cutting n times leaves the second difference |a - 2b + c| / (4 n²) between chord and curve.
+/// either end. Cutting n times leaves the second difference |a - 2b + c| / (4 n²) between chord and curve. All of it
+/// counts, not only its part across the chord: on a straight segment whose middle is off centre, pictures and the lines
+/// to the opposite edge run at an uneven pace, and triangles that ignore it fold over each other.
 int piecesOf(const Vec3& a, const Vec3& b, const Vec3& c, float tolerance, int maxSegments) {
     const Dvec3 chord = Dvec3(c) - Dvec3(a);
-    const Dvec3 bend = (Dvec3(a) + Dvec3(c)) - 2.0 * Dvec3(b);
-    const double length = glm::length(chord);
+    const Dvec3 bend = 0.25 * ((Dvec3(a) + Dvec3(c)) - 2.0 * Dvec3(b));
     const double bow = glm::length(bend);
-    if (!(bow > 0)) return 1;
-    // Straight, and never turning back: the middle point lies along the chord, wherever it is.
-    const double allowed = 4.0 * std::min<double>(tolerance, straightBow);
-    if (length > 0 && glm::length(glm::cross(chord, bend)) <= allowed * length &&
-        std::abs(glm::dot(chord, bend)) <= length * length)
-        return 1;
-    const double wanted = std::ceil(std::sqrt(bow / (4.0 * tolerance)));
-    return static_cast<int>(std::clamp(wanted, 2.0, static_cast<double>(std::max(2, maxSegments))));
+    if (!(bow > std::min<double>(tolerance, straightBow))) return 1;
+    const double length = glm::length(chord);
+    const double across = length > 0 ? glm::length(glm::cross(chord, bend)) / length : bow;
+    const double polygon = glm::length(Dvec3(b) - Dvec3(a)) + glm::length(Dvec3(c) - Dvec3(b));
+    const double wanted = std::max(std::sqrt(bow / tolerance), across / (roundBow * polygon));
+    return static_cast<int>(std::clamp(std::ceil(wanted), 2.0, static_cast<double>(std::max(2, maxSegments))));
 }
 
 /// One direction of the grid: where its lines run.
@@ -93,8 +96,11 @@ public:
           maxSegments_(std::max(1, maxSegments)) {}
 
     PatchMesh make() {
-        const Lines u(piecesAcross(true));
-        const Lines v(piecesAcross(false));
+        std::vector<int> across = piecesAcross(true);
+        std::vector<int> down = piecesAcross(false);
+        allowForTwist(across, down);
+        const Lines u(across);
+        const Lines v(down);
         const Chain top = edge(true, 0);
         const Chain bottom = edge(true, height_ - 1);
         const Chain left = edge(false, 0);
@@ -134,6 +140,37 @@ private:
             result.push_back(most);
         }
         return result;
+    }
+
+    /// Straight edges may still span a warped face: cutting a cell into two flat triangles errs by its twist. Cells get
+    /// small enough for that, but the edges keep what their own points say.
+    void allowForTwist(std::vector<int>& across, std::vector<int>& down) const {
+        for (std::size_t row = 0; row < down.size(); ++row)
+            for (std::size_t column = 0; column < across.size(); ++column) {
+                const double cells = twist(static_cast<int>(2 * column), static_cast<int>(2 * row)) / tolerance_;
+                int& u = across[column];
+                int& v = down[row];
+                while (static_cast<double>(u) * v < cells && std::min(u, v) < maxSegments_) ++(u <= v ? u : v);
+            }
+    }
+
+    /// Largest distance of a corner of the four control cells of a piece from the plane along the cell's diagonals, as
+    /// twist |a - b - c + d|. The mixed derivative is at most 4 times that, and a cell cut n by m errs by 1/(4 n m) of
+    /// it.
+    [[nodiscard]] double twist(int column, int row) const {
+        double most = 0;
+        for (int r = row; r < row + 2; ++r)
+            for (int c = column; c < column + 2; ++c) {
+                const Dvec3 a(control(c, r).position);
+                const Dvec3 right(control(c + 1, r).position);
+                const Dvec3 below(control(c, r + 1).position);
+                const Dvec3 d(control(c + 1, r + 1).position);
+                const Dvec3 normal = glm::cross(d - a, below - right);
+                const double length = glm::length(normal);
+                // In its own plane a cell may have any shape.
+                if (length > 0) most = std::max(most, std::abs(glm::dot((a + d) - (right + below), normal)) / length);
+            }
+        return most;
     }
 
     std::uint32_t add(const PatchVertex& vertex) {
@@ -239,25 +276,23 @@ private:
 
     /// Interpolated normals become unit length; where they cancel out, the triangles round the vertex decide.
     void mendNormals() {
-        std::vector<Vec3> geometric;
+        std::vector<Dvec3> geometric;
         for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) {
-            Vec3& normal = mesh_.vertices[i].normal;
-            float length = glm::length(normal);
-            if (!(length > 1e-6F)) {
+            Dvec3 normal(mesh_.vertices[i].normal);
+            if (!(glm::length(normal) > 1e-6)) {
                 if (geometric.empty()) geometric = geometricNormals();
                 normal = geometric[i];
-                length = glm::length(normal);
             }
-            normal = length > 0 ? normal / length : Vec3(0, 0, 1);
+            const double length = glm::length(normal);
+            mesh_.vertices[i].normal = length > 0 && std::isfinite(length) ? Vec3(normal / length) : Vec3(0, 0, 1);
         }
     }
 
-    [[nodiscard]] std::vector<Vec3> geometricNormals() const {
-        std::vector<Vec3> sums(mesh_.vertices.size(), Vec3(0.0F));
+    [[nodiscard]] std::vector<Dvec3> geometricNormals() const {
+        std::vector<Dvec3> sums(mesh_.vertices.size(), Dvec3(0.0));
         for (std::size_t i = 0; i + 2 < mesh_.indices.size(); i += 3) {
-            const Vec3& a = mesh_.vertices[mesh_.indices[i]].position;
-            const Vec3 n = glm::cross(mesh_.vertices[mesh_.indices[i + 1]].position - a,
-                                      mesh_.vertices[mesh_.indices[i + 2]].position - a);
+            const auto corner = [&](std::size_t k) { return Dvec3(mesh_.vertices[mesh_.indices[i + k]].position); };
+            const Dvec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
             for (std::size_t k = 0; k < 3; ++k) sums[mesh_.indices[i + k]] += n;
         }
         return sums;

@@ -51,7 +51,8 @@ void SurfaceParms::addFlags(std::int32_t surfaceFlags, std::int32_t contentFlags
 struct ShaderLibrary::Index {
     struct Definition {
         std::size_t file = 0, offset = 0;
-        int line = 1;
+        int line = 1;     ///< of the name
+        int bodyLine = 1; ///< of the '{'
     };
     struct File {
         std::string name;
@@ -70,7 +71,12 @@ namespace {
 
 /// What one file defines, in its order. The game ignores a file with an unclosed or unopened definition whole.
 struct Scan {
-    std::vector<std::pair<std::string, std::pair<std::size_t, int>>> definitions;
+    struct Definition {
+        std::string name;
+        std::size_t offset = 0;
+        int line = 1, bodyLine = 1;
+    };
+    std::vector<Definition> definitions;
     std::string defect;
 };
 
@@ -85,13 +91,13 @@ Scan scanDefinitions(std::string_view text, const std::string& fileName) {
             return scan;
         }
         const std::size_t body = tokens.offset();
-        const int line = tokens.line();
+        const int bodyLine = tokens.line();
         if (!tokens.skipBlock()) {
             scan.defect = fmt::format("{}: line {}: the definition of '{}' is not closed by '}}'; it is ignored",
                                       fileName, name->line, name->text.substr(0, 64));
             return scan;
         }
-        scan.definitions.emplace_back(lower(name->text), std::pair(body, line));
+        scan.definitions.push_back({lower(name->text), body, name->line, bodyLine});
     }
     return scan;
 }
@@ -102,9 +108,9 @@ void ShaderLibrary::parse(std::string_view text, const std::string& fileName) {
     auto file = std::make_unique<const Index::File>(Index::File{fileName, std::string(text)});
     Scan scan = scanDefinitions(file->text, fileName);
     if (!scan.defect.empty()) index_->warnings.push_back(std::move(scan.defect));
-    for (auto& [name, where] : scan.definitions)
-        index_->definitions.try_emplace(std::move(name),
-                                        Index::Definition{index_->files.size(), where.first, where.second});
+    for (Scan::Definition& found : scan.definitions)
+        index_->definitions.try_emplace(
+            std::move(found.name), Index::Definition{index_->files.size(), found.offset, found.line, found.bodyLine});
     index_->files.push_back(std::move(file));
 }
 
@@ -135,8 +141,10 @@ const Shader* ShaderLibrary::find(std::string_view name) const {
     std::unique_ptr<const Shader>& shader = index_->parsed[key];
     if (!shader) {
         const Index::File& file = *index_->files[found->second.file];
-        shader = std::make_unique<const Shader>(
-            parseShader(key, std::string_view(file.text).substr(found->second.offset), file.name, found->second.line));
+        Shader parsed = parseShader(key, std::string_view(file.text).substr(found->second.offset), file.name,
+                                    found->second.bodyLine);
+        parsed.origin = fmt::format("{}:{}", file.name, found->second.line);
+        shader = std::make_unique<const Shader>(std::move(parsed));
     }
     return shader.get();
 }

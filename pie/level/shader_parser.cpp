@@ -247,7 +247,6 @@ private:
 Shader parseShader(std::string name, std::string_view text, const std::string& fileName, int line) {
     Shader shader;
     shader.name = std::move(name);
-    shader.origin = fmt::format("{}:{}", fileName, line);
     ShaderParser(shader, Words(text, line, fileName, shader.defects)).parse();
     return shader;
 }

@@ -12,7 +12,7 @@ inline constexpr float sortPortal = 1, sortSky = 2, sortOpaque = 3, sortDecal = 
                        sortFog = 7, sortUnderwater = 8, sortBlend = 9, sortAdditive = 10, sortNearest = 16;
 
 /// `text` starts behind the '{', in line `line` of `fileName`. What the game would refuse is kept as far as it was
-/// understood and told in `Shader::defects`.
+/// understood and told in `Shader::defects`. The origin is left to the caller.
 [[nodiscard]] Shader parseShader(std::string name, std::string_view text, const std::string& fileName, int line);
 
 } // namespace pie::level
