@@ -48,7 +48,7 @@ struct Settings {
     Renderer renderer = Renderer::Glsl;
     ColorSpace colorSpace = ColorSpace::Quake3;
     float exposure = 1;        ///< factor on light before display
-    float overbrightClamp = 2; ///< light is cut, hue kept, at this multiple of "texture as it is"
+    float overbrightClamp = 1; ///< light is cut, hue kept, at this multiple of "texture as it is"
     Blending blending = Blending::Multiply;
     bool drawSky = true, drawFog = true, animate = true;
     bool deluxe = true; ///< baked: recognise interleaved deluxe lightmaps

@@ -50,13 +50,12 @@ constexpr std::array table{
     Row{"exposure", "View", &Settings::exposure, 0, 1000, "", "Factor on light before display. 1 is the game's scale.",
         ""},
     Row{"overbright_clamp", "View", &Settings::overbrightClamp, 1, 16, "texture multiples",
-        "Light beyond this multiple of the plain texture is cut with its hue kept: 2 as the game with hardware gamma, "
-        "1 as in a window "
-        "without.",
+        "Light beyond this multiple of the plain texture is cut with its hue kept: 1 as the game in a window, 2 as with "
+        "hardware gamma (full screen on old systems).",
         ""},
     Row{"blending", "View", choice<&Settings::blending>(blendingNames), 0, 0, "",
-        "How light meets the texture. multiply: C = Cf Ct. add_signed: C = Cf + Ct - 0.5, which brightens and darkens "
-        "but is not physical.",
+        "How light meets the texture. multiply: C = 2 Cf Ct. add_signed: C = 2 Cf - 1 + Ct, which brightens and "
+        "darkens but is not physical. Cf = 1/2 shows the texture as it is.",
         "pi-engine eq 3.9 and 3.8"},
     Row{"draw_sky", "View", &Settings::drawSky, 0, 0, "", "Draw sky boxes and clouds; off leaves the clear colour.",
         ""},
