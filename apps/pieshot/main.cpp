@@ -259,8 +259,8 @@ int main(int argc, char** argv) {
     app.add_option("--game", arguments.game, "game directory (with *.pk3 or maps/)");
     app.add_option("--map", arguments.map, "name of a map in the game directory");
     app.add_option("--set", arguments.settings, "key=value, any setting of doc/settings.md; may be repeated")
-        ->expected(1)
-        ->take_all();
+        ->take_all()
+        ->allow_extra_args(false);
     app.add_option("--threading", arguments.threading, "threading model of the viewer")
         ->check(CLI::IsMember({"SingleThreaded", "CullDrawThreadPerContext", "DrawThreadPerContext",
                                "CullThreadPerCameraDrawThreadPerContext"}))
