@@ -1,6 +1,12 @@
 // Embree 3. Robust traversal, so that its answers at shared edges are those of the other two.
+//
+// Rays that stay together go in packets of 16, which is three to eight times faster; others alone. An answer must not
+// depend on the company a ray keeps: distances are the same to the bit either way, but of two triangles at the same
+// distance a packet may find the other one. So where that can be (triangles on top of each other, edges) the ray is
+// asked again alone.
 
 #include "pie/intersect/intersectors.h"
+#include "pie/intersect/overlap.h"
 #include "pie/intersect/triangle_test.h"
 
 #include <embree3/rtcore.h>
@@ -30,10 +36,51 @@ using Device = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using Geometry = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
-/// Embree answers tNear < t <= tFar, we promise tMin <= t < tMax. At zero nothing is left to step back to: Debian's
-/// Embree asserts that tNear is not negative.
-float nearOf(const Ray& ray) { return ray.tMin > 0.0F ? std::nextafter(ray.tMin, 0.0F) : 0.0F; }
+/// Embree's limits are inclusive.
+float nearOf(const Ray& ray) { return std::max(ray.tMin, 0.0F); }
 float farOf(const Ray& ray) { return std::isinf(ray.tMax) ? ray.tMax : std::nextafter(ray.tMax, 0.0F); }
+
+constexpr std::size_t width = 16;
+/// Measured on shipped levels: beyond these, a packet is no faster than its rays one by one. Extent of the 16 unit
+/// directions; extent of the origins as a share of the scene's diagonal.
+constexpr float togetherDirections = 0.4F;
+constexpr float togetherOrigins = 0.03F;
+/// Barycentric weight below which a hit counts as on an edge.
+constexpr float onEdge = 1e-4F;
+
+float largest(const Vec3& v) { return glm::max(v.x, glm::max(v.y, v.z)); }
+
+/// Sixteen rays that can hit something.
+bool together(std::span<const Ray> rays, float originExtent) {
+    Vec3 lowest = rays[0].direction;
+    Vec3 highest = lowest;
+    Vec3 lower = rays[0].origin;
+    Vec3 upper = lower;
+    bool all = usable(rays[0]);
+    for (const Ray& ray : rays.subspan(1)) {
+        all = all && usable(ray);
+        lowest = glm::min(lowest, ray.direction);
+        highest = glm::max(highest, ray.direction);
+        lower = glm::min(lower, ray.origin);
+        upper = glm::max(upper, ray.origin);
+    }
+    return all && largest(highest - lowest) <= togetherDirections && largest(upper - lower) <= originExtent;
+}
+
+void set(RTCRay16& out, std::size_t i, const Ray& ray) {
+    out.org_x[i] = ray.origin.x;
+    out.org_y[i] = ray.origin.y;
+    out.org_z[i] = ray.origin.z;
+    out.dir_x[i] = ray.direction.x;
+    out.dir_y[i] = ray.direction.y;
+    out.dir_z[i] = ray.direction.z;
+    out.tnear[i] = nearOf(ray);
+    out.tfar[i] = farOf(ray);
+    out.time[i] = 0;
+    out.mask[i] = 0xffffffffU;
+    out.id[i] = 0;
+    out.flags[i] = 0;
+}
 
 RTCRay toEmbree(const Ray& ray) {
     RTCRay out{};
@@ -58,6 +105,8 @@ public:
             if (scene.normals[t] == Vec3(0.0F)) continue;
             triangles_[isOpaque(scene, t) ? 0 : 1].push_back(static_cast<std::uint32_t>(t));
         }
+        overlaps_ = findOverlaps(scene);
+        originExtent_ = togetherOrigins * glm::length(scene.bounds.size());
         const Geometry opaque(makeGeometry(scene, triangles_[0]));
         opaque_.reset(makeScene({opaque.get()}));
         if (triangles_[1].empty()) return;
@@ -66,7 +115,40 @@ public:
     }
 
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const override {
-        RTCScene scene = all_ ? all_.get() : opaque_.get();
+        std::size_t i = 0;
+        for (; i + width <= rays.size(); i += width) {
+            const std::span<const Ray> some = rays.subspan(i, width);
+            if (together(some, originExtent_))
+                closestTogether(some, hits.subspan(i, width));
+            else
+                closestAlone(some, hits.subspan(i, width));
+        }
+        closestAlone(rays.subspan(i), hits.subspan(i));
+    }
+
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override {
+        for (std::size_t i = 0; i < rays.size(); i += width) {
+            const std::size_t count = std::min(width, rays.size() - i);
+            occludedTogether(rays.subspan(i, count), blocked.subspan(i, count));
+        }
+    }
+
+    [[nodiscard]] std::string_view name() const override { return "Embree"; }
+    [[nodiscard]] std::size_t bytes() const override {
+        const auto held = std::max<std::ptrdiff_t>(bytes_.load(), 0);
+        return sizeof(*this) + static_cast<std::size_t>(held) +
+               (triangles_[0].capacity() + triangles_[1].capacity()) * sizeof(std::uint32_t) + overlaps_.capacity();
+    }
+
+private:
+    [[nodiscard]] RTCScene everything() const { return all_ ? all_.get() : opaque_.get(); }
+
+    [[nodiscard]] Hit hitOf(std::uint32_t geometry, std::uint32_t primitive, float t, float u, float v) const {
+        if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
+        return {triangles_[geometry][primitive], t, u, v};
+    }
+
+    void closestAlone(std::span<const Ray> rays, std::span<Hit> hits) const {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -75,32 +157,50 @@ public:
             RTCRayHit ray{};
             ray.ray = toEmbree(rays[i]);
             ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            rtcIntersect1(scene, &context, &ray);
-            if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-            hits[i] = {triangles_[ray.hit.geomID][ray.hit.primID], std::max(ray.ray.tfar, 0.0F), ray.hit.u, ray.hit.v};
+            rtcIntersect1(everything(), &context, &ray);
+            hits[i] = hitOf(ray.hit.geomID, ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v);
         }
     }
 
-    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override {
+    [[nodiscard]] bool ambiguous(const Hit& hit) const {
+        return hit.found() && (overlaps_[hit.triangle] != 0 || std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < onEdge);
+    }
+
+    void closestTogether(std::span<const Ray> rays, std::span<Hit> hits) const {
+        alignas(64) std::array<int, width> valid{};
+        valid.fill(-1);
+        RTCRayHit16 packet;
+        for (std::size_t i = 0; i < width; ++i) {
+            set(packet.ray, i, rays[i]);
+            packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        }
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            blocked[i] = 0;
-            if (!usable(rays[i])) continue;
-            RTCRay ray = toEmbree(rays[i]);
-            rtcOccluded1(opaque_.get(), &context, &ray);
-            blocked[i] = ray.tfar < 0.0F ? 1 : 0;
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        rtcIntersect16(valid.data(), everything(), &context, &packet);
+        for (std::size_t i = 0; i < width; ++i) {
+            hits[i] =
+                hitOf(packet.hit.geomID[i], packet.hit.primID[i], packet.ray.tfar[i], packet.hit.u[i], packet.hit.v[i]);
+            if (ambiguous(hits[i])) closestAlone(rays.subspan(i, 1), hits.subspan(i, 1));
         }
     }
 
-    [[nodiscard]] std::string_view name() const override { return "Embree"; }
-    [[nodiscard]] std::size_t bytes() const override {
-        const auto held = std::max<std::ptrdiff_t>(bytes_.load(), 0);
-        return sizeof(*this) + static_cast<std::size_t>(held) +
-               (triangles_[0].capacity() + triangles_[1].capacity()) * sizeof(std::uint32_t);
+    /// At most sixteen rays. That any triangle is hit is the same alone or together.
+    void occludedTogether(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
+        alignas(64) std::array<int, width> valid{};
+        RTCRay16 packet;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (usable(rays[i])) {
+                valid[i] = -1;
+                set(packet, i, rays[i]);
+            }
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        if (rays.size() == width && together(rays, originExtent_)) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        rtcOccluded16(valid.data(), opaque_.get(), &context, &packet);
+        for (std::size_t i = 0; i < rays.size(); ++i) blocked[i] = valid[i] != 0 && packet.tfar[i] < 0.0F ? 1 : 0;
     }
 
-private:
     static bool countBytes(void* sum, std::ptrdiff_t bytes, bool /*post*/) {
         *static_cast<std::atomic<std::ptrdiff_t>*>(sum) += bytes;
         return true;
@@ -137,6 +237,8 @@ private:
     Device device_;
     SceneHandle opaque_, all_;                            ///< all_: only when there is something that is not Opaque
     std::array<std::vector<std::uint32_t>, 2> triangles_; ///< geometry and primitive → Scene::triangles
+    std::vector<std::uint8_t> overlaps_;                  ///< per triangle: another one lies on it
+    float originExtent_ = 0;
 };
 
 } // namespace
