@@ -61,12 +61,14 @@ need_packages() {
     quietly "$top/build/apt.log" as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
-# build PRESET [CMAKE ARGUMENT…]: configures and builds everything; log in build/PRESET.log. A copied or moved tree is configured anew.
+# build PRESET [CMAKE ARGUMENT…]: configures and builds everything; log in build/PRESET.log. A tree that was copied or
+# moved is configured anew.
 build() {
     local preset=$1 cache="$top/build/$1/CMakeCache.txt" fresh=()
     shift
     if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$top" "$cache"; then fresh=(--fresh); fi
     cd "$top" || return
+    [ -f "$cache" ] || say "building in build/$preset; the first time takes some minutes (progress: build/$preset.log)"
     quietly "$top/build/$preset-configure.log" cmake --preset "$preset" "${fresh[@]}" "$@"
     quietly "$top/build/$preset.log" cmake --build --preset "$preset" --parallel "$jobs"
 }
