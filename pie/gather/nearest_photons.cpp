@@ -75,7 +75,11 @@ Rgb NearestPhotons::one(const Map& map, std::uint32_t receiver, float maxRadius,
         }
         return !options_.incomingDirection || at.twoSided || glm::dot(photon.direction, at.normal) < 0.0F;
     };
-    map.nearest(at.position, options_.maxCount, maxRadius, accept, queue);
+    if (trueArea || options_.sphereSlice)
+        map.nearest(at.position, options_.maxCount, maxRadius, {at.normal, options_.slice.halfThickness}, accept,
+                    queue);
+    else
+        map.nearest(at.position, options_.maxCount, maxRadius, accept, queue);
     if (queue.found().empty()) return Rgb(0.0F);
 
     const float reached = queue.full() ? std::sqrt(queue.farthest().distanceSquared) : maxRadius;

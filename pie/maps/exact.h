@@ -30,6 +30,13 @@ public:
         }
     }
 
+    /// The same; see Slab.
+    template <class Accept>
+    void nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& /*hint*/, Accept&& accept,
+                 NearestQueue& queue) const {
+        nearest(point, k, maxRadius, accept, queue);
+    }
+
     /// visitor(photon, distanceSquared) for every photon within `radius`, in the order of their numbers.
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const {
         const float reach = reachOfRadius(radius);

@@ -7,10 +7,11 @@
 // where rounding, too, puts every photon of it past the reach of the search. Photons with a position that is not
 // finite are kept but never found.
 //
-// Two things make it fast. A node stands for two halvings: it holds the tight bounding boxes of its four quarters side
-// by side, so that all four distances take a few vector instructions; tight boxes rather than cutting planes, because
-// photons lie on surfaces and most of a half is empty. And positions lie in tree order in blocks of stopRecursionSize
-// per axis; the photon itself is only read when it is near enough.
+// Three things make it fast. A node stands for two halvings: it holds the tight bounding boxes of its four quarters
+// side by side, so that all four distances take a few vector instructions; tight boxes rather than cutting planes,
+// because photons lie on surfaces and most of a half is empty. And positions lie in tree order in blocks of
+// stopRecursionSize per axis; the photon itself is only read when it is near enough. And where only a slice of the ball
+// can be accepted (Slab), boxes and positions outside it are skipped before anyone is asked.
 
 #include "pie/maps/nearest.h"
 
@@ -42,6 +43,11 @@ public:
     template <class Accept>
     void nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&& accept, NearestQueue& queue) const;
 
+    /// The same, skipping whatever lies outside the slab without asking `accept`, which must refuse it.
+    template <class Accept>
+    void nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
+                 NearestQueue& queue) const;
+
     /// visitor(photon, distanceSquared) for every photon within `radius` (its surface included), in an order that
     /// depends on the photons and the point only.
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const;
@@ -68,10 +74,14 @@ private:
     static constexpr std::size_t mostWaiting = 3 * 15 + 1;
 
     template <class Reach, class Candidate>
-    void search(const Vec3& point, const Reach& reach, const Candidate& candidate) const;
+    void search(const Vec3& point, const Slab* slab, const Reach& reach, const Candidate& candidate) const;
     static std::uint32_t near(const Leaf& leaf, const Vec3& point, float reach,
                               std::array<float, stopRecursionSize>& distance);
     static std::uint32_t near(const Node& node, const Vec3& point, float reach, std::array<float, width>& distance);
+    static std::uint32_t within(const Leaf& leaf, const Vec3& point, const Slab& slab);
+    static std::uint32_t within(const Node& node, const Vec3& point, const Slab& slab);
+    /// Rounding of a height over the plane, relative to the coordinates it is made of: a slab is never cut too thin.
+    static constexpr float slack = 1e-6F;
 
     struct Item;
     struct Builder;
@@ -144,10 +154,86 @@ inline std::uint32_t KdTree::near(const Node& node, const Vec3& point, float rea
 #endif
 }
 
+/// Bit i is set when slot i may lie in the slab.
+inline std::uint32_t KdTree::within(const Leaf& leaf, const Vec3& point, const Slab& slab) {
+    std::uint32_t mask = 0;
+#if defined(__SSE2__)
+    const __m128 sign = _mm_set1_ps(-0.0F);
+    const __m128 limit = _mm_set1_ps(slab.halfThickness);
+    for (unsigned i = 0; i < stopRecursionSize; i += 4) {
+        __m128 height = _mm_setzero_ps();
+        __m128 size = _mm_setzero_ps();
+        for (int axis = 0; axis < 3; ++axis) {
+            const __m128 p = _mm_load_ps(&leaf.position[static_cast<std::size_t>(axis)][i]);
+            const __m128 part = _mm_mul_ps(_mm_sub_ps(p, _mm_set1_ps(point[axis])), _mm_set1_ps(slab.normal[axis]));
+            height = _mm_add_ps(height, part);
+            size = _mm_add_ps(size, _mm_andnot_ps(sign, part));
+        }
+        const __m128 least = _mm_sub_ps(_mm_andnot_ps(sign, height), _mm_mul_ps(size, _mm_set1_ps(slack)));
+        mask |= static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmpngt_ps(least, limit))) << i;
+    }
+#else
+    for (unsigned i = 0; i < stopRecursionSize; ++i) {
+        float height = 0;
+        float size = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float part = (leaf.position[static_cast<std::size_t>(axis)][i] - point[axis]) * slab.normal[axis];
+            height += part;
+            size += part < 0.0F ? -part : part;
+        }
+        mask |= static_cast<std::uint32_t>(!((height < 0.0F ? -height : height) - size * slack > slab.halfThickness))
+                << i;
+    }
+#endif
+    return mask;
+}
+
+/// The same for the boxes of a node's children.
+inline std::uint32_t KdTree::within(const Node& node, const Vec3& point, const Slab& slab) {
+#if defined(__SSE2__)
+    const __m128 sign = _mm_set1_ps(-0.0F);
+    __m128 lowest = _mm_setzero_ps();
+    __m128 highest = _mm_setzero_ps();
+    __m128 size = _mm_setzero_ps();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
+        const __m128 p = _mm_set1_ps(point[axis]);
+        const __m128 n = _mm_set1_ps(slab.normal[axis]);
+        const __m128 a = _mm_mul_ps(_mm_sub_ps(_mm_load_ps(node.lower[i].data()), p), n);
+        const __m128 b = _mm_mul_ps(_mm_sub_ps(_mm_load_ps(node.upper[i].data()), p), n);
+        lowest = _mm_add_ps(lowest, _mm_min_ps(a, b));
+        highest = _mm_add_ps(highest, _mm_max_ps(a, b));
+        size = _mm_add_ps(size, _mm_max_ps(_mm_andnot_ps(sign, a), _mm_andnot_ps(sign, b)));
+    }
+    const __m128 margin = _mm_add_ps(_mm_set1_ps(slab.halfThickness), _mm_mul_ps(size, _mm_set1_ps(slack)));
+    const __m128 above = _mm_cmpngt_ps(lowest, margin);
+    const __m128 below = _mm_cmpngt_ps(_mm_sub_ps(_mm_setzero_ps(), highest), margin);
+    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_and_ps(above, below)));
+#else
+    std::uint32_t mask = 0;
+    for (std::size_t child = 0; child < width; ++child) {
+        float lowest = 0;
+        float highest = 0;
+        float size = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<std::size_t>(axis);
+            const float a = (node.lower[i][child] - point[axis]) * slab.normal[axis];
+            const float b = (node.upper[i][child] - point[axis]) * slab.normal[axis];
+            lowest += a < b ? a : b;
+            highest += a < b ? b : a;
+            size += (a < 0.0F ? -a : a) + (b < 0.0F ? -b : b);
+        }
+        const float margin = slab.halfThickness + size * slack;
+        mask |= static_cast<std::uint32_t>(!(lowest > margin) && !(-highest > margin)) << child;
+    }
+    return mask;
+#endif
+}
+
 /// Walks the leaves that can hold something within reach(), nearest parts first. candidate(number, distanceSquared)
 /// may shrink the reach.
 template <class Reach, class Candidate>
-void KdTree::search(const Vec3& point, const Reach& reach, const Candidate& candidate) const {
+void KdTree::search(const Vec3& point, const Slab* slab, const Reach& reach, const Candidate& candidate) const {
     if (leaves_.empty() || !isFinite(point) || !(reach() >= 0.0F)) return;
     std::array<Waiting, mostWaiting> stack; // NOLINT(cppcoreguidelines-pro-type-member-init): filled as it grows
     std::size_t waiting = 0;
@@ -159,7 +245,9 @@ void KdTree::search(const Vec3& point, const Reach& reach, const Candidate& cand
         if (part < nodeCount) {
             const Node& node = nodes_[part];
             const std::size_t below = waiting;
-            for (std::uint32_t mask = near(node, point, reach(), gap); mask != 0; mask &= mask - 1) {
+            std::uint32_t mask = near(node, point, reach(), gap);
+            if (slab != nullptr && mask != 0) mask &= within(node, point, *slab);
+            for (; mask != 0; mask &= mask - 1) {
                 const auto child = static_cast<std::size_t>(std::countr_zero(mask));
                 // Nearest on top; of equals the lower number.
                 std::size_t at = waiting++;
@@ -168,7 +256,9 @@ void KdTree::search(const Vec3& point, const Reach& reach, const Candidate& cand
             }
         } else {
             const Leaf& leaf = leaves_[part - nodeCount];
-            for (std::uint32_t mask = near(leaf, point, reach(), distance); mask != 0; mask &= mask - 1) {
+            std::uint32_t mask = near(leaf, point, reach(), distance);
+            if (slab != nullptr && mask != 0) mask &= within(leaf, point, *slab);
+            for (; mask != 0; mask &= mask - 1) {
                 const auto slot = static_cast<std::size_t>(std::countr_zero(mask));
                 if (distance[slot] <= reach()) candidate(leaf.number[slot], distance[slot]);
             }
@@ -184,7 +274,18 @@ template <class Accept>
 void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&& accept, NearestQueue& queue) const {
     queue.reset(k, reachOfRadius(maxRadius));
     search(
-        point, [&] { return queue.reach(); },
+        point, nullptr, [&] { return queue.reach(); },
+        [&](std::uint32_t number, float d) {
+            if (accept(photons_[number])) queue.offer({d, number});
+        });
+}
+
+template <class Accept>
+void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
+                     NearestQueue& queue) const {
+    queue.reset(k, reachOfRadius(maxRadius));
+    search(
+        point, &slab, [&] { return queue.reach(); },
         [&](std::uint32_t number, float d) {
             if (accept(photons_[number])) queue.offer({d, number});
         });
@@ -193,7 +294,7 @@ void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&&
 template <class Visitor> void KdTree::forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const {
     const float reach = reachOfRadius(radius);
     search(
-        point, [&] { return reach; }, [&](std::uint32_t number, float d) { visitor(photons_[number], d); });
+        point, nullptr, [&] { return reach; }, [&](std::uint32_t number, float d) { visitor(photons_[number], d); });
 }
 
 } // namespace pie::maps

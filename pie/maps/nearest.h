@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,14 @@ struct Neighbour {
 /// Square of a search radius, for balls that include their surface: a radius of 0 finds what lies in the very point.
 /// Negative where nothing can be found: radius negative or not a number.
 [[nodiscard]] inline float reachOfRadius(float radius) { return radius >= 0.0F ? radius * radius : -1.0F; }
+
+/// Where to look: the part of space within halfThickness of the plane through the query point. Only a hint by which
+/// maps skip what a filter is going to refuse (the sphere slice of pi-engine fig 3.8); the filter itself stays the
+/// judge, so answers are the same without it.
+struct Slab {
+    Vec3 normal{0.0F}; ///< unit, or zero for no hint
+    float halfThickness = std::numeric_limits<float>::infinity();
+};
 
 [[nodiscard]] inline bool isFinite(const Vec3& v) {
     // Infinity and NaN times 0 are NaN; finite numbers are not.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -109,6 +110,52 @@ TEST(KdTree, FiltersWhileSearching) {
                 ASSERT_EQ(found.size(), divisor == 2 ? 10U : divisor == 97 ? 5U : 1U);
             }
         }
+    }
+}
+
+TEST(KdTree, ASlabChangesNothingButTheWork) {
+    std::mt19937 random(77);
+    for (const Cloud& cloud : test::clouds(700, 1500)) {
+        const Maps maps(cloud.photons);
+        for (const Vec3& query : cloud.queries) {
+            const Vec3 tilted = 2.0F * test::unit3(random) - 1.0F;
+            const Vec3 normal = random() % 2 == 0 ? Vec3(0.0F, 0.0F, 1.0F) : tilted / glm::length(tilted);
+            // Also borders that photons of the grid lie in exactly, and slabs as thin as rounding.
+            const float thicknesses[] = {0.0F, 1.0F, 2.5F, 0.3F * test::unit(random), infinity};
+            const Slab slab{normal, thicknesses[random() % 5]};
+            std::size_t asked = 0;
+            const auto inside = [&](const Photon& photon) {
+                ++asked;
+                return std::abs(glm::dot(photon.position - query, normal)) <= slab.halfThickness;
+            };
+            static thread_local NearestQueue queue;
+            maps.tree.nearest(query, 20, 6.0F, slab, inside, queue);
+            std::vector<Neighbour> found(queue.found().begin(), queue.found().end());
+            std::sort(found.begin(), found.end());
+            ASSERT_EQ(found, nearest(maps.exact, query, 20, 6.0F, inside)) << cloud.name;
+            maps.exact.nearest(query, 20, 6.0F, slab, inside, queue);
+            std::vector<Neighbour> exact(queue.found().begin(), queue.found().end());
+            std::sort(exact.begin(), exact.end());
+            ASSERT_EQ(found, exact);
+        }
+    }
+}
+
+TEST(KdTree, ASlabSparesTheFilterWhatLiesOutside) {
+    const auto cloud = test::clouds(5000, 100).front();
+    KdTree tree;
+    tree.build(cloud.photons);
+    NearestQueue queue;
+    for (const Vec3& query : cloud.queries) {
+        std::size_t outside = 0;
+        tree.nearest(
+            query, 5000, infinity, {{1.0F, 0.0F, 0.0F}, 0.5F},
+            [&](const Photon& photon) {
+                if (std::abs(photon.position.x - query.x) > 0.501F) ++outside;
+                return true;
+            },
+            queue);
+        EXPECT_EQ(outside, 0U);
     }
 }
 
