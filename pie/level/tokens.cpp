@@ -19,6 +19,10 @@ bool Tokens::skipSpace(bool stayOnLine) {
             if (stayOnLine) return false;
             ++line_;
             lineStart_ = ++at_;
+        } else if (c == '\r' && stayOnLine) {
+            // The game turns every run of white space that holds a carriage return into a line end (COM_Compress):
+            // shipped scripts have lone ones.
+            return false;
         } else if (isSpace(c)) {
             ++at_;
         } else if (text_.substr(at_).starts_with("//")) {
@@ -73,7 +77,7 @@ std::optional<Token> Tokens::nextOnLine() {
     return word();
 }
 
-void Tokens::skipLine() { at_ = std::min(text_.find('\n', at_), text_.size()); }
+void Tokens::skipLine() { at_ = std::min(text_.find_first_of("\r\n", at_), text_.size()); }
 
 bool Tokens::skipBlock() {
     for (int depth = 1; depth > 0;) {

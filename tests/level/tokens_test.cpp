@@ -56,6 +56,19 @@ TEST(Tokens, LineWiseReadingStopsAtTheEndOfTheLine) {
     EXPECT_FALSE(tokens.next());
 }
 
+// ctf_compromise's sand: "tcMod scale 7 7\r\t\talphaGen vertex\r\n" are two lines to the game.
+TEST(Tokens, ALoneCarriageReturnEndsALine) {
+    Tokens tokens("tcMod 7\r\talphaGen\r\nend");
+    EXPECT_EQ(tokens.nextOnLine()->text, "tcMod");
+    EXPECT_EQ(tokens.nextOnLine()->text, "7");
+    EXPECT_FALSE(tokens.nextOnLine());
+    EXPECT_EQ(tokens.next()->text, "alphaGen");
+    tokens.skipLine();
+    const auto end = tokens.next();
+    EXPECT_EQ(end->text, "end");
+    EXPECT_EQ(end->line, 2);
+}
+
 TEST(Tokens, BlocksNestAndMayEndTooEarly) {
     Tokens tokens("{ a { b } c } d");
     EXPECT_TRUE(tokens.next()->is('{'));
