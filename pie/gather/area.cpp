@@ -87,11 +87,17 @@ TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions&
         counts_[axis] =
             static_cast<std::uint32_t>(std::clamp(size[static_cast<int>(axis)] / cellSize_, 0.0F, 255.0F)) + 1;
 
-    boxes_.resize(scene.triangles.size());
+    outlines_.resize(scene.triangles.size());
     const std::vector<bool> duplicate = findDuplicates(scene);
     std::vector<std::uint32_t> storing;
     for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
-        for (int i = 0; i < 3; ++i) boxes_[t].extend(scene.corner(t, i));
+        Outline& outline = outlines_[t];
+        for (int i = 0; i < 3; ++i) outline.box.extend(scene.corner(t, i));
+        outline.normal = scene.normals[t];
+        outline.twoSided = scene.material(t).twoSided;
+        const Cells cells = cellsOf(outline.box);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            outline.firstCell[axis] = static_cast<std::uint8_t>(cells.first[axis]);
         if (!duplicate[t] && scene.material(t).interaction != scene::Interaction::Sky && scene.normals[t] != Vec3(0.0F))
             storing.push_back(static_cast<std::uint32_t>(t));
     }
@@ -99,7 +105,7 @@ TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions&
     // Count, then place: cellBegin_[c] is where the list of cell c begins.
     cellBegin_.assign(std::size_t{counts_[0]} * counts_[1] * counts_[2] + 1, 0);
     const auto forEachCell = [&](std::uint32_t triangle, const auto& visit) {
-        const Cells cells = cellsOf(boxes_[triangle]);
+        const Cells cells = cellsOf(outlines_[triangle].box);
         for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
             for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
                 for (std::uint32_t x = cells.first[0]; x <= cells.last[0]; ++x)
@@ -126,8 +132,16 @@ TrueArea::Cells TrueArea::cellsOf(const Box& box) const {
     return cells;
 }
 
-/// Each triangle whose cells meet those of the box, once: in the first cell that both share.
-template <class Visit> void TrueArea::forEachNear(const Box& box, const Visit& visit) const {
+/// The same test as SurfaceTest: of a two-sided surface, whichever side faces along the normal.
+bool TrueArea::faces(std::uint32_t triangle, const Vec3& normal) const {
+    const Outline& outline = outlines_[triangle];
+    const float cosine = glm::dot(outline.normal, normal);
+    return (outline.twoSided ? std::abs(cosine) : cosine) > slice_.minCosine;
+}
+
+/// Each triangle that faces along the normal and whose cells meet those of the box, once: in the first cell that both
+/// share.
+template <class Visit> void TrueArea::forEachFacing(const Box& box, const Vec3& normal, const Visit& visit) const {
     const Cells cells = cellsOf(box);
     for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
         for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
@@ -135,9 +149,10 @@ template <class Visit> void TrueArea::forEachNear(const Box& box, const Visit& v
                 const std::size_t cell = (std::size_t{z} * counts_[1] + y) * counts_[0] + x;
                 for (std::uint32_t i = cellBegin_[cell]; i < cellBegin_[cell + 1]; ++i) {
                     const std::uint32_t triangle = cellTriangles_[i];
-                    const Cells own = cellsOf(boxes_[triangle]);
-                    if (x == std::max(cells.first[0], own.first[0]) && y == std::max(cells.first[1], own.first[1]) &&
-                        z == std::max(cells.first[2], own.first[2]))
+                    const auto& first = outlines_[triangle].firstCell;
+                    if (faces(triangle, normal) && x == std::max<std::uint32_t>(cells.first[0], first[0]) &&
+                        y == std::max<std::uint32_t>(cells.first[1], first[1]) &&
+                        z == std::max<std::uint32_t>(cells.first[2], first[2]))
                         visit(triangle);
                 }
             }
@@ -153,11 +168,8 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
     const double thickness = static_cast<double>(slice_.halfThickness);
     const dvec3 centre(point);
     const dvec3 up(normal);
-    forEachNear({point - Vec3(largest), point + Vec3(largest)}, [&](std::uint32_t t) {
-        if (squaredDistance(boxes_[t], point) >= largest * largest) return;
-        const float cosine = glm::dot(scene_.normals[t], normal);
-        // The same test as SurfaceTest: of a two-sided surface, whichever side faces along the normal.
-        if (!((scene_.material(t).twoSided ? std::abs(cosine) : cosine) > slice_.minCosine)) return;
+    forEachFacing({point - Vec3(largest), point + Vec3(largest)}, normal, [&](std::uint32_t t) {
+        if (squaredDistance(outlines_[t].box, point) >= largest * largest) return;
 
         Polygon polygon;
         double lowest = std::numeric_limits<double>::max();
@@ -184,9 +196,9 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
         std::array<dvec2, 8> flat;
         for (std::size_t i = 0; i < polygon.count; ++i)
             flat[i] = {glm::dot(polygon.corners[i], u), glm::dot(polygon.corners[i], v)};
+        const FlatPolygon shape(std::span<const dvec2>(flat.data(), polygon.count));
         for (std::size_t i = 0; i < radii.size(); ++i)
-            integrals[i] += std::max(0.0, integrate({kernel_, height, static_cast<double>(radii[i])},
-                                                    std::span(flat.data(), polygon.count)));
+            integrals[i] += std::max(0.0, shape.integral({kernel_, height, static_cast<double>(radii[i])}));
     });
 }
 
@@ -198,7 +210,7 @@ double TrueArea::integral(const Vec3& point, const Vec3& normal, float radius) c
 
 std::size_t TrueArea::bytes() const {
     return cellBegin_.capacity() * sizeof(std::uint32_t) + cellTriangles_.capacity() * sizeof(std::uint32_t) +
-           boxes_.capacity() * sizeof(Box);
+           outlines_.capacity() * sizeof(Outline);
 }
 
 } // namespace pie::gather

@@ -76,7 +76,8 @@ private:
         std::array<std::uint32_t, 3> first{}, last{}; ///< inclusive
     };
     [[nodiscard]] Cells cellsOf(const Box& box) const;
-    template <class Visit> void forEachNear(const Box& box, const Visit& visit) const;
+    template <class Visit> void forEachFacing(const Box& box, const Vec3& normal, const Visit& visit) const;
+    [[nodiscard]] bool faces(std::uint32_t triangle, const Vec3& normal) const;
 
     const scene::Scene& scene_;
     Kernel kernel_;
@@ -87,7 +88,14 @@ private:
     std::array<std::uint32_t, 3> counts_{1, 1, 1};
     std::vector<std::uint32_t> cellBegin_;
     std::vector<std::uint32_t> cellTriangles_;
-    std::vector<Box> boxes_; ///< of all triangles of the scene
+    /// What is asked of every triangle near by, close together.
+    struct Outline {
+        Box box;
+        Vec3 normal{0.0F};
+        std::array<std::uint8_t, 3> firstCell{};
+        bool twoSided = false;
+    };
+    std::vector<Outline> outlines_; ///< of all triangles of the scene
 };
 
 /// One short table per receiver (two for two-sided ones): the share of the whole disc that exists, by radius.

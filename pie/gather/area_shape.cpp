@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace pie::gather {
 namespace {
@@ -84,6 +85,39 @@ double integrate(const PlaneKernel& kernel, std::span<const dvec2> polygon) {
         if (leave < 1) sector(q, b);
     }
     return sum + angle * perRadian;
+}
+
+FlatPolygon::FlatPolygon(std::span<const dvec2> corners) : corners_(corners) {
+    bool inside = true;
+    nearestSquared_ = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const dvec2& a = corners[i];
+        const dvec2& b = corners[i + 1 < corners.size() ? i + 1 : 0];
+        const dvec2 along = b - a;
+        const double turn = cross(a, b);
+        area_ += 0.5 * turn;
+        moment_ += turn / 12 * (glm::dot(a, a) + glm::dot(a, b) + glm::dot(b, b));
+        inside = inside && turn >= 0;
+        farthestSquared_ = std::max(farthestSquared_, glm::dot(a, a));
+        const double lengthSquared = glm::dot(along, along);
+        const double t = lengthSquared > 0 ? std::clamp(-glm::dot(a, along) / lengthSquared, 0.0, 1.0) : 0.0;
+        const dvec2 nearest = a + t * along;
+        nearestSquared_ = std::min(nearestSquared_, glm::dot(nearest, nearest));
+    }
+    if (inside) nearestSquared_ = 0;
+}
+
+double FlatPolygon::integral(const PlaneKernel& kernel) const {
+    const double radiusSquared = kernel.radius * kernel.radius;
+    const double heightSquared = kernel.height * kernel.height;
+    const double discSquared = radiusSquared - heightSquared;
+    if (!(discSquared > nearestSquared_)) return 0;
+    if (farthestSquared_ <= discSquared) {
+        if (kernel.kernel == Kernel::Constant) return area_;
+        if (kernel.kernel == Kernel::Epanechnikov)
+            return area_ * (1 - heightSquared / radiusSquared) - moment_ / radiusSquared;
+    }
+    return integrate(kernel, corners_);
 }
 
 } // namespace pie::gather

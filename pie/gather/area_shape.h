@@ -25,4 +25,20 @@ struct PlaneKernel {
 /// The integral over polygon ∩ disc; signed by the polygon's turn.
 [[nodiscard]] double integrate(const PlaneKernel& kernel, std::span<const glm::dvec2> polygon);
 
+/// What is the same for all radii: for most radii a polygon lies wholly inside or outside the disc, and the answer is a
+/// product.
+class FlatPolygon {
+public:
+    /// Keeps a view of the corners, which turn left. Convex, at least three.
+    explicit FlatPolygon(std::span<const glm::dvec2> corners);
+    /// As `integrate`.
+    [[nodiscard]] double integral(const PlaneKernel& kernel) const;
+
+private:
+    std::span<const glm::dvec2> corners_;
+    double area_ = 0;
+    double moment_ = 0;                               ///< second, about the origin
+    double nearestSquared_ = 0, farthestSquared_ = 0; ///< from the origin
+};
+
 } // namespace pie::gather

@@ -88,6 +88,7 @@ TEST_P(Kernels, RandomPolygonsAgreeWithAGrid) {
             }
         // A grid of this width misjudges the border, at most about 10 long, by a fraction of a cell.
         EXPECT_NEAR(integrate(plane, triangle), sum, 0.01) << "round " << round;
+        EXPECT_NEAR(FlatPolygon(triangle).integral(plane), integrate(plane, triangle), 1e-9);
     }
 }
 
@@ -108,6 +109,28 @@ TEST_P(Kernels, CuttingAPolygonDoesNotChangeTheSum) {
         const bool closed = GetParam() == Kernel::Constant || GetParam() == Kernel::Epanechnikov;
         EXPECT_NEAR(sum, integrate(plane, whole), closed ? 1e-11 : 2e-4);
     }
+}
+
+TEST_P(Kernels, WhollyInsideOrOutsideIsTheSameAsCuttingTheCircle) {
+    std::mt19937 random(19);
+    std::uniform_real_distribution<double> place(-2, 2);
+    int whole = 0;
+    for (int round = 0; round < 2000; ++round) {
+        const dvec2 a(place(random), place(random));
+        std::array<dvec2, 3> triangle{a, a + 0.5 * dvec2(place(random), place(random)),
+                                      a + 0.5 * dvec2(place(random), place(random))};
+        const dvec2 u = triangle[1] - a;
+        const dvec2 v = triangle[2] - a;
+        if (u.x * v.y < u.y * v.x) std::swap(triangle[1], triangle[2]);
+        const FlatPolygon shape(triangle);
+        for (const double radius : {0.2, 1.0, 2.0, 5.0}) {
+            const PlaneKernel plane{GetParam(), 0.15, radius};
+            const double expected = integrate(plane, triangle);
+            EXPECT_NEAR(shape.integral(plane), expected, 1e-9);
+            if (radius == 5.0 && expected > 0) ++whole;
+        }
+    }
+    EXPECT_GT(whole, 1900);
 }
 
 TEST_P(Kernels, DegeneratePolygonsAreNothing) {
