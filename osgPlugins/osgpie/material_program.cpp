@@ -59,14 +59,15 @@ bool usesLight(const Stage& stage) {
            stage.rgbGen == RgbGen::LightingDiffuse;
 }
 
-/// Texture coordinates of a stage, in the vertex shader (tcGen, then tcMods in order, as the game applies them).
-std::string textureCoordinates(const Stage& stage, std::size_t i, const char* base = "gl_MultiTexCoord0.st") {
+/// Texture coordinates of a stage from those of the picture and of the lightmap (tcGen, then tcMods in order, as the
+/// game applies them).
+std::string textureCoordinates(const Stage& stage, std::size_t i, const char* picture, const char* lightmap) {
     std::string code = fmt::format("    vec2 st{} = ", i);
     switch (stage.tcGen) {
     case TcGen::Texture:
-        code += fmt::format("{};\n", stage.source == Stage::Source::Lightmap ? "gl_MultiTexCoord1.st" : base);
+        code += fmt::format("{};\n", stage.source == Stage::Source::Lightmap ? lightmap : picture);
         break;
-    case TcGen::Lightmap: code += "gl_MultiTexCoord1.st;\n"; break;
+    case TcGen::Lightmap: code += fmt::format("{};\n", lightmap); break;
     case TcGen::Environment: code += "environment(p.xyz, n);\n"; break;
     case TcGen::Vector: {
         const auto& v = stage.tcVectors;
@@ -242,7 +243,7 @@ public:
             "    vec3 a = vec3(0.0), b = ";
         code += box ? "box(n);\n" : "vec3(0.0);\n";
         for (std::size_t i = 0; i < stages_.size(); ++i) {
-            code += textureCoordinates(*stages_[i], i, "cloud(n)");
+            code += textureCoordinates(*stages_[i], i, "cloud(n)", "cloud(n)");
             code += fmt::format("    vec2 tc{0} = st{0};\n", i);
             code += stageCode(i);
         }
@@ -334,7 +335,7 @@ private:
                 "void main() {\n    vec4 p = gl_Vertex;\n    vec3 n = gl_Normal;\n";
         for (const Deform& deform : shader_.deforms) code += deformCode(deform);
         for (std::size_t i = 0; i < stages_.size(); ++i) {
-            code += textureCoordinates(*stages_[i], i);
+            code += textureCoordinates(*stages_[i], i, "gl_MultiTexCoord0.st", "gl_MultiTexCoord1.st");
             code += fmt::format("    tc{0} = st{0};\n", i);
         }
         code +=
@@ -400,7 +401,7 @@ private:
         if (stage.source == Stage::Source::Lightmap) {
             if (look_.light == LightSource::Irradiance)
                 texel = "vec4(light(), 1.0)";
-            else if (look_.light == LightSource::Lightmap)
+            else if (look_.light == LightSource::Lightmap && unitOf_[i] >= 0) // a sky has none
                 texel =
                     fmt::format("vec4(texture2D(unit{}, tc{}).rgb * {}, 1.0)", unitOf_[i], i, number(look_.overbright));
         } else if (unitOf_[i] >= 0) {
