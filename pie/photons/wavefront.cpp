@@ -12,6 +12,7 @@ using intersect::Ray;
 
 constexpr unsigned dimensionsPerBounce = 3;
 constexpr std::uint32_t maxCrossings = 256; // then a filter surface counts as opaque: every path ends
+constexpr float farthestOrigin = 1e15F;     // a light beyond it, or nowhere, lights nothing: t² must stay finite
 constexpr float smallestCosine = 1.0F / 64; // bounds the step back at grazing hits
 
 void book(double (&sum)[3], const Rgb& flux) {
@@ -33,11 +34,6 @@ float fraction(double x) { return std::min(static_cast<float>(x - std::floor(x))
 Vec2 childNumbers(const Vec2& u, std::uint32_t j, std::uint32_t count, std::uint32_t branch) {
     return {fraction(u.x + static_cast<double>(j) / count + branch * 0.7548776662466927),
             fraction(u.y + static_cast<double>(sampling::radicalInverse(j, 0)) + branch * 0.5698402909980532)};
-}
-
-Rgb times(const Rgb& flux, double factor) {
-    return {static_cast<float>(flux.x * factor), static_cast<float>(flux.y * factor),
-            static_cast<float>(flux.z * factor)};
 }
 
 } // namespace
@@ -67,7 +63,7 @@ Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
                      const intersect::Intersector& intersector, const TracerOptions& options,
                      const sampling::Halton& halton, float reach, std::uint64_t total)
     : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(halton), reach_(reach),
-      perPhoton_(1.0 / static_cast<double>(std::max<std::uint64_t>(1, total))) {
+      perPhoton_(static_cast<float>(1.0 / static_cast<double>(std::max<std::uint64_t>(1, total)))) {
     if (options.scattering != TracerOptions::Scattering::Splitting) return;
     const std::uint32_t wanted = std::clamp(options.diffuseReflections, 1U, maxPathsPerPhoton);
     std::uint32_t paths = 1;
@@ -99,16 +95,21 @@ void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i) {
         const lights::Emission emission = lights_.emit(halton_, first + i);
         Path path;
-        path.flux = times(emission.flux, perPhoton_);
+        path.flux = emission.flux * perPhoton_;
         path.owner = static_cast<std::uint32_t>(i);
         // What stands in free space may by chance lie on a surface: hits within rounding of it do not count.
         const float tMin = emission.falloff != nullptr
                                ? lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(emission.origin))))
                                : 0.0F;
+        book(step.result.counts.emittedFlux, path.flux);
+        step.emissions.push_back(emission);
+        if (!(maxChannel(glm::abs(emission.origin)) < farthestOrigin)) {
+            ++step.result.counts.escaped;
+            book(step.result.counts.escapedFlux, path.flux);
+            continue;
+        }
         step.rays.push_back({emission.origin, tMin, emission.direction});
         step.paths.push_back(path);
-        step.emissions.push_back(emission);
-        book(step.result.counts.emittedFlux, path.flux);
     }
     step.result.counts.emitted = count;
 }
@@ -214,7 +215,7 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
     if (options_.scattering == TracerOptions::Scattering::Splitting) {
         const std::uint32_t children = path.bounce < branches_.size() ? branches_[path.bounce].children : 1;
         const Vec2 u(halton_(index, dimension), halton_(index, dimension + 1));
-        next.flux = times(reflected, 1.0 / children);
+        next.flux = reflected / static_cast<float>(children);
         for (std::uint32_t j = 0; j < children; ++j) {
             next.branch = path.branch * children + j;
             send(step, next, normal, origin, childNumbers(u, j, children, path.branch));

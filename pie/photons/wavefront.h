@@ -53,7 +53,7 @@ private:
     const TracerOptions& options_;
     const sampling::Halton& halton_;
     float reach_;
-    double perPhoton_; ///< one over the photons of the frame
+    float perPhoton_; ///< one over the photons of the frame
     std::vector<Branching> branches_;
 };
 
