@@ -2,8 +2,8 @@
 //
 // Rays that stay together go in packets of 16, which is three to eight times faster; others alone. An answer must not
 // depend on the company a ray keeps: distances are the same to the bit either way, but of two triangles at the same
-// distance a packet may find the other one. So where that can be (triangles on top of each other, edges) the ray is
-// asked again alone.
+// distance Embree reports the one it came to last. So on triangles that lie on top of each other the shared triangle
+// test decides, as everywhere else, and on edges a ray of a packet is asked again alone.
 
 #include "pie/intersect/intersectors.h"
 #include "pie/intersect/overlap.h"
@@ -99,13 +99,13 @@ RTCRay toEmbree(const Ray& ray) {
 class Embree final : public Intersector {
 public:
     /// `device` is not null.
-    Embree(Device device, const scene::Scene& scene) : device_(std::move(device)) {
+    Embree(Device device, const scene::Scene& scene)
+        : scene_(scene), device_(std::move(device)), overlaps_(findOverlaps(scene)) {
         rtcSetDeviceMemoryMonitorFunction(device_.get(), &countBytes, &bytes_);
         for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
             if (scene.normals[t] == Vec3(0.0F)) continue;
             triangles_[isOpaque(scene, t) ? 0 : 1].push_back(static_cast<std::uint32_t>(t));
         }
-        overlaps_ = findOverlaps(scene);
         originExtent_ = togetherOrigins * glm::length(scene.bounds.size());
         const Geometry opaque(makeGeometry(scene, triangles_[0]));
         opaque_.reset(makeScene({opaque.get()}));
@@ -137,15 +137,29 @@ public:
     [[nodiscard]] std::size_t bytes() const override {
         const auto held = std::max<std::ptrdiff_t>(bytes_.load(), 0);
         return sizeof(*this) + static_cast<std::size_t>(held) +
-               (triangles_[0].capacity() + triangles_[1].capacity()) * sizeof(std::uint32_t) + overlaps_.capacity();
+               (triangles_[0].capacity() + triangles_[1].capacity()) * sizeof(std::uint32_t) +
+               (overlaps_.begin.capacity() + overlaps_.others.capacity()) * sizeof(std::uint32_t);
     }
 
 private:
     [[nodiscard]] RTCScene everything() const { return all_ ? all_.get() : opaque_.get(); }
 
-    [[nodiscard]] Hit hitOf(std::uint32_t geometry, std::uint32_t primitive, float t, float u, float v) const {
+    /// What Embree found, or of the triangles that lie on it the one that brute force would name.
+    [[nodiscard]] Hit hitOf(const Ray& ray, std::uint32_t geometry, std::uint32_t primitive, const Hit& found) const {
         if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
-        return {triangles_[geometry][primitive], t, u, v};
+        Hit hit = found;
+        hit.triangle = triangles_[geometry][primitive];
+        const std::span<const std::uint32_t> others = overlaps_.of(hit.triangle);
+        if (others.empty()) return hit;
+        Hit chosen;
+        Nearest nearest(ray, chosen);
+        nearest.test(hit.triangle, corners(hit.triangle));
+        for (const std::uint32_t other : others) nearest.test(other, corners(other));
+        return chosen.found() ? chosen : hit;
+    }
+
+    [[nodiscard]] std::array<Vec3, 3> corners(std::size_t t) const {
+        return {scene_.corner(t, 0), scene_.corner(t, 1), scene_.corner(t, 2)};
     }
 
     void closestAlone(std::span<const Ray> rays, std::span<Hit> hits) const {
@@ -158,13 +172,11 @@ private:
             ray.ray = toEmbree(rays[i]);
             ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rtcIntersect1(everything(), &context, &ray);
-            hits[i] = hitOf(ray.hit.geomID, ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v);
+            hits[i] = hitOf(rays[i], ray.hit.geomID, ray.hit.primID, {0, ray.ray.tfar, ray.hit.u, ray.hit.v});
         }
     }
 
-    [[nodiscard]] bool ambiguous(const Hit& hit) const {
-        return hit.found() && (overlaps_[hit.triangle] != 0 || std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < onEdge);
-    }
+    static bool onAnEdge(const Hit& hit) { return std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < onEdge; }
 
     void closestTogether(std::span<const Ray> rays, std::span<Hit> hits) const {
         alignas(64) std::array<int, width> valid{};
@@ -179,9 +191,9 @@ private:
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         rtcIntersect16(valid.data(), everything(), &context, &packet);
         for (std::size_t i = 0; i < width; ++i) {
-            hits[i] =
-                hitOf(packet.hit.geomID[i], packet.hit.primID[i], packet.ray.tfar[i], packet.hit.u[i], packet.hit.v[i]);
-            if (ambiguous(hits[i])) closestAlone(rays.subspan(i, 1), hits.subspan(i, 1));
+            const Hit found{0, packet.ray.tfar[i], packet.hit.u[i], packet.hit.v[i]};
+            hits[i] = hitOf(rays[i], packet.hit.geomID[i], packet.hit.primID[i], found);
+            if (hits[i].found() && onAnEdge(found)) closestAlone(rays.subspan(i, 1), hits.subspan(i, 1));
         }
     }
 
@@ -233,11 +245,12 @@ private:
         return scene;
     }
 
+    const scene::Scene& scene_;
     std::atomic<std::ptrdiff_t> bytes_{0}; ///< outlives the device, which reports its last frees to it
     Device device_;
     SceneHandle opaque_, all_;                            ///< all_: only when there is something that is not Opaque
     std::array<std::vector<std::uint32_t>, 2> triangles_; ///< geometry and primitive → Scene::triangles
-    std::vector<std::uint8_t> overlaps_;                  ///< per triangle: another one lies on it
+    Overlaps overlaps_;
     float originExtent_ = 0;
 };
 

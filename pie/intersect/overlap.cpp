@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 namespace pie::intersect {
@@ -60,27 +61,35 @@ bool separates(const Flat& a, const Flat& b, double slack) {
     return false;
 }
 
-/// Marks the overlaps among triangles whose planes are equally high.
-void sweep(std::span<Flat> flats, double slack, std::vector<std::uint8_t>& overlaps) {
-    std::sort(flats.begin(), flats.end(), [](const Flat& a, const Flat& b) { return a.lower.x < b.lower.x; });
+struct Pair {
+    std::uint32_t a = 0, b = 0;
+};
+
+/// Finds the overlaps among triangles whose planes are equally high.
+void sweep(std::span<Flat> flats, double slack, std::vector<std::uint32_t>& counts, std::vector<Pair>& pairs) {
+    std::sort(flats.begin(), flats.end(), [](const Flat& a, const Flat& b) {
+        return a.lower.x != b.lower.x ? a.lower.x < b.lower.x : a.triangle < b.triangle;
+    });
     for (std::size_t i = 0; i < flats.size(); ++i) {
         const Flat& a = flats[i];
         for (std::size_t j = i + 1; j < flats.size() && flats[j].lower.x < a.upper.x - slack; ++j) {
             const Flat& b = flats[j];
-            if (overlaps[a.triangle] != 0 && overlaps[b.triangle] != 0) continue;
+            if (counts[a.triangle] >= Overlaps::most || counts[b.triangle] >= Overlaps::most) continue;
             if (b.lower.y >= a.upper.y - slack || a.lower.y >= b.upper.y - slack) continue;
             if (glm::dot(a.normal, b.normal) < 0.9999F) continue;
             if (separates(a, b, slack) || separates(b, a, slack)) continue;
-            overlaps[a.triangle] = 1;
-            overlaps[b.triangle] = 1;
+            pairs.push_back({a.triangle, b.triangle});
+            ++counts[a.triangle];
+            ++counts[b.triangle];
         }
     }
 }
 
 } // namespace
 
-std::vector<std::uint8_t> findOverlaps(const scene::Scene& scene) {
-    std::vector<std::uint8_t> overlaps(scene.triangles.size(), 0);
+Overlaps findOverlaps(const scene::Scene& scene) {
+    Overlaps overlaps;
+    overlaps.begin.assign(scene.triangles.size() + 1, 0);
     if (scene.bounds.empty()) return overlaps;
     const Vec3 far = glm::max(glm::abs(scene.bounds.lower), glm::abs(scene.bounds.upper));
     const double extent = glm::max(far.x, glm::max(far.y, far.z));
@@ -94,11 +103,20 @@ std::vector<std::uint8_t> findOverlaps(const scene::Scene& scene) {
         if (a.axis != b.axis) return a.axis < b.axis;
         return a.height != b.height ? a.height < b.height : a.triangle < b.triangle;
     });
+    std::vector<std::uint32_t> counts(scene.triangles.size(), 0);
+    std::vector<Pair> pairs;
     for (std::size_t begin = 0, end = 0; begin < flats.size(); begin = end) {
         for (end = begin + 1; end < flats.size() && flats[end].axis == flats[begin].axis &&
                               flats[end].height - flats[end - 1].height <= slack;)
             ++end;
-        sweep(std::span(flats).subspan(begin, end - begin), slack, overlaps);
+        sweep(std::span(flats).subspan(begin, end - begin), slack, counts, pairs);
+    }
+    std::inclusive_scan(counts.begin(), counts.end(), overlaps.begin.begin() + 1);
+    overlaps.others.resize(2 * pairs.size());
+    std::vector<std::uint32_t> next(overlaps.begin.begin(), overlaps.begin.end() - 1);
+    for (const Pair& pair : pairs) {
+        overlaps.others[next[pair.a]++] = pair.b;
+        overlaps.others[next[pair.b]++] = pair.a;
     }
     return overlaps;
 }

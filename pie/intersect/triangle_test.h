@@ -5,6 +5,8 @@
 
 #include "pie/intersect/intersector.h"
 
+#include <glm/vec3.hpp>
+
 #include <array>
 #include <cmath>
 #include <utility>
@@ -23,7 +25,7 @@ namespace pie::intersect {
 /// A ray made ready: the shear that turns its direction into the z axis.
 class PreparedRay {
 public:
-    explicit PreparedRay(const Ray& ray) : origin_(ray.origin) {
+    explicit PreparedRay(const Ray& ray) : origin_(ray.origin), direction_(ray.direction) {
         const Vec3 size = glm::abs(ray.direction);
         z_ = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
         x_ = (z_ + 1) % 3;
@@ -31,7 +33,6 @@ public:
         if (ray.direction[z_] < 0.0F) std::swap(x_, y_);
         shearX_ = ray.direction[x_] / ray.direction[z_];
         shearY_ = ray.direction[y_] / ray.direction[z_];
-        shearZ_ = 1.0F / ray.direction[z_];
     }
 
     /// Distance and barycentric weights of corners 1 and 2 where the line of the ray meets the triangle.
@@ -61,9 +62,15 @@ public:
         if ((wa < 0.0F || wb < 0.0F || wc < 0.0F) && (wa > 0.0F || wb > 0.0F || wc > 0.0F)) return false;
         const float sum = wa + wb + wc;
         if (sum == 0.0F) return false;
-        const float perSum = 1.0F / sum;
-        const float t = shearZ_ * (wa * a[z_] + wb * b[z_] + wc * c[z_]) * perSum;
+        // The weights say where the ray passes, not how far that is: for slivers they are differences of nearly equal
+        // products. The plane is exact there too.
+        const glm::dvec3 first(a);
+        const glm::dvec3 normal = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first);
+        const double slope = glm::dot(normal, direction_);
+        if (slope == 0.0) return false;
+        const auto t = static_cast<float>(glm::dot(normal, first) / slope);
         if (!(t >= tMin && t < tMax)) return false;
+        const float perSum = 1.0F / sum;
         meeting = {t, wb * perSum, wc * perSum};
         return true;
     }
@@ -74,8 +81,9 @@ private:
     }
 
     Vec3 origin_;
+    glm::dvec3 direction_;
     int x_ = 0, y_ = 1, z_ = 2;
-    float shearX_ = 0, shearY_ = 0, shearZ_ = 1;
+    float shearX_ = 0, shearY_ = 0;
 };
 
 /// Keeps the nearer hit; of two at the same distance, the triangle with the lower number, whatever the order of asking.

@@ -279,6 +279,26 @@ TEST(Intersectors, AgreeInASoupWithoutATree) {
     expectAgreement(soup, randomRays(soup.scene, 20'000, 22), 2);
 }
 
+TEST(Intersectors, NameTheSameOfSeveralTrianglesInOnePlace) {
+    std::mt19937 random(41);
+    std::uniform_real_distribution<float> place(-64, 64);
+    std::vector<Vec3> corners = boxCorners(Vec3(-100.0F), Vec3(100.0F));
+    for (int i = 0; i < 60; ++i) // scattered over one wall, and one of them three times
+        for (int k = 0; k < 3; ++k) corners.emplace_back(100, place(random), place(random));
+    for (int twice = 0; twice < 2; ++twice)
+        for (std::size_t k = 36; k < 39; ++k) corners.push_back(corners[k]);
+    Furnished stacked;
+    stacked.scene = sceneOf(corners);
+    const auto judge = makeIntersector(Kind::BruteForce, stacked.scene, stacked.tree);
+    for (const std::vector<Ray>& rays :
+         {randomRays(stacked.scene, 20'000, 42), coherentRays(stacked.scene, 20'000, 43)})
+        for (const Kind kind : {Kind::Bsp, Kind::Embree}) {
+            const auto intersector = makeIntersector(kind, stacked.scene, stacked.tree);
+            const Agreement agreement = compare(closest(*judge, rays), closest(*intersector, rays));
+            EXPECT_EQ(agreement.same, agreement.rays) << intersector->name() << ": " << agreement.text();
+        }
+}
+
 TEST(Intersectors, BspTakesDamagedTrees) {
     Furnished room = furnishedRoom();
     const std::vector<Ray> rays = randomRays(room.scene, 2'000, 31);
