@@ -4,11 +4,16 @@
 #include "pie/lights/light.h"
 
 #include <array>
+#include <cmath>
 
 namespace pie::lights::detail {
 
 /// `colour` × `factor` without overflow in between.
 [[nodiscard]] Rgb scaled(const Rgb& colour, double factor);
+/// Lights whose direction is not one give nothing.
+[[nodiscard]] inline bool isUnit(const Vec3& direction) {
+    return std::abs(glm::dot(direction, direction) - 1.0F) < 1e-3F;
+}
 /// Largest flux per unit of c that a linear light of E = c max(0, i − fade d) sends through a sphere around it: at two
 /// thirds of its reach. Its photons are weighted against this.
 [[nodiscard]] double linearFlux(const Falloff& falloff);

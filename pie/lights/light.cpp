@@ -59,6 +59,7 @@ double spotCosine(const SpotLight& light) {
 }
 /// 1 − cos without the cancellation of narrow cones.
 double spotCap(const SpotLight& light) {
+    if (!detail::isUnit(light.direction)) return 0.0;
     const double slope = std::max(0.0F, light.slope);
     const double root = std::sqrt(1.0 + slope * slope);
     return slope * slope / (root * (root + 1.0));
@@ -83,6 +84,7 @@ Emission emitSpot(const SpotLight& light, const std::array<float, 4>& u) {
     return result;
 }
 Illumination illuminateSpot(const SpotLight& light, const Vec3& point, const Vec3& normal, bool twoSided) {
+    if (!detail::isUnit(light.direction)) return {};
     Illumination result = fromPoint(light.position, light.power, light.falloff, point, normal, twoSided);
     const double rate = rimRate(light, -glm::dot(glm::dvec3(result.towards), glm::dvec3(light.direction)));
     result.irradiance = detail::scaled(result.irradiance, rate > 0.0 ? std::min(1.0, rate * result.distance) : 0.0);

@@ -86,6 +86,7 @@ SkyPortals skyPortals(const scene::Scene& scene) {
 }
 
 double projectedArea(const SkyPortals& portals, const Vec3& towards) {
+    if (!detail::isUnit(towards)) return 0.0;
     double sum = 0.0;
     for (const auto& group : portals.groups) sum += group.area * facing(group, towards);
     return sum;
@@ -126,6 +127,7 @@ Emission emitParallel(const Vec3& towards, const Rgb& irradiance, const scene::S
 }
 
 Rgb sunPower(const SunLight& light, const SkyPortals& portals) {
+    if (!isUnit(light.towards)) return Rgb(0.0F);
     if (!(light.devianceRadians > 0.0F)) return scaled(light.irradiance, projectedArea(portals, light.towards));
     constexpr unsigned samples = 1024;
     double sum = 0.0;
@@ -139,11 +141,13 @@ Rgb sunPower(const SunLight& light, const SkyPortals& portals) {
 }
 Emission emitSun(const SunLight& light, const scene::Scene& scene, const SkyPortals& portals,
                  const std::array<float, 4>& u) {
+    if (!isUnit(light.towards)) return {};
     return emitParallel(deviated(light.towards, light.devianceRadians, {u[0], u[1]}), light.irradiance, scene, portals,
                         {u[2], u[3]});
 }
 Illumination illuminateSun(const SunLight& light, const Vec3& normal, bool twoSided, const Vec2& u) {
     Illumination result;
+    if (!isUnit(light.towards)) return result;
     result.towards = deviated(light.towards, light.devianceRadians, u);
     const float cosine = glm::dot(result.towards, normal);
     result.distance = std::numeric_limits<float>::infinity();

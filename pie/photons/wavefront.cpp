@@ -29,6 +29,11 @@ void bookLoss(double (&sum)[3], const Rgb& before, const Rgb& after) {
 
 float fraction(double x) { return std::min(static_cast<float>(x - std::floor(x)), 0x1.fffffep-1F); }
 
+/// False as well where a coordinate is not a number.
+bool withinReach(const Vec3& p) {
+    return std::abs(p.x) < farthestOrigin && std::abs(p.y) < farthestOrigin && std::abs(p.z) < farthestOrigin;
+}
+
 /// Child `j` of `count` of the branch: the photon's own numbers moved by point j of a Hammersley set, and by a
 /// point of the R2 lattice per branch so that sister branches do not repeat each other.
 Vec2 childNumbers(const Vec2& u, std::uint32_t j, std::uint32_t count, std::uint32_t branch) {
@@ -103,7 +108,7 @@ void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
                                : 0.0F;
         book(step.result.counts.emittedFlux, path.flux);
         step.emissions.push_back(emission);
-        if (!(maxChannel(glm::abs(emission.origin)) < farthestOrigin)) {
+        if (!withinReach(emission.origin)) {
             ++step.result.counts.escaped;
             book(step.result.counts.escapedFlux, path.flux);
             continue;

@@ -255,6 +255,16 @@ TEST(Illumination, FiniteAtTheSourceAndForExtremePowers) {
         << "in the source: no direction, no light";
 }
 
+TEST(Illumination, LightsWithoutDirectionGiveNothing) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const Vec3& direction : {Vec3(0.0F), Vec3(0, 0, 2), Vec3(nan)}) {
+        const SpotLight spot{{0, 0, 10}, direction, Rgb(100.0F), 1, 32, {}};
+        EXPECT_EQ(at(spot, Vec3(0.0F)), Rgb(0.0F));
+        EXPECT_EQ(power(spot, {}, {}), Rgb(0.0F));
+        EXPECT_EQ(at(SunLight{direction, Rgb(100.0F), 0.1F}, Vec3(0.0F)), Rgb(0.0F));
+    }
+}
+
 TEST(Illumination, SunAndSkyAskForSky) {
     const Illumination sun = illuminate(SunLight{{0, 0.6F, 0.8F}, Rgb(10.0F)}, Vec3(0.0F), {0, 0, 1}, false, {});
     EXPECT_TRUE(sun.needsSky);

@@ -38,7 +38,8 @@ const std::vector<Shipped>& shippedLevels() {
             for (const auto& surface : level->surfaces) {
                 const auto& shader = level->shaders[surface.shader];
                 used.insert(surface.shader);
-                if (shader.light.surfaceLight > 0.0F && !shader.parms.sky && surface.indexCount > 0) ++shipped.emissiveFaces;
+                if (shader.light.surfaceLight > 0.0F && !shader.parms.sky && surface.indexCount > 0)
+                    ++shipped.emissiveFaces;
             }
             for (const std::uint32_t shader : used) shipped.sunKeys += level->shaders[shader].light.suns.size();
             const LightSet set(shipped.found.lights, scene);
