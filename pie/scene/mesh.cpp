@@ -15,8 +15,7 @@ namespace {
 
 bool drawn(const level::Level& level, const level::Surface& surface) {
     if (surface.shader >= level.shaders.size()) return false;
-    const level::Shader& shader = level.shaders[surface.shader];
-    if (shader.parms.sky || !shader.drawn()) return false;
+    if (!level.shaders[surface.shader].drawn()) return false;
     return surface.model >= level.models.size() || level.models[surface.model].drawn;
 }
 

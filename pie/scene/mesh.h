@@ -25,7 +25,7 @@ struct Mesh {
     std::vector<MeshTriangle> triangles;
 };
 
-/// The drawn surfaces of a level, not refined.
+/// The drawn surfaces of a level, not refined. Skies with a sky box are not among them: those are drawn as a box.
 [[nodiscard]] Mesh makeMesh(const level::Level& level);
 
 struct RefineOptions {
@@ -33,7 +33,7 @@ struct RefineOptions {
         std::numeric_limits<std::size_t>::max();            ///< triangles split, the paper's mesh_refinement; 0: none
     float maxEdge = std::numeric_limits<float>::infinity(); ///< go on until no edge is longer than this, in units;
                                                             ///< edges of a closed T-junction may be 0.01 longer
-    std::size_t maxTriangles = 4'000'000; ///< hard bound on memory
+    std::size_t maxTriangles = 4'000'000;                   ///< hard bound on memory
 };
 struct RefineStatistics {
     std::size_t splits = 0, tJunctions = 0;

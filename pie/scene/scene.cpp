@@ -27,9 +27,8 @@ bool decal(const Shader& shader) {
 /// Nothing: light does not notice the surface (the level compiler's rules).
 std::optional<Interaction> interaction(const Shader& shader) {
     const level::SurfaceParms& parms = shader.parms;
-    if (parms.sky) return Interaction::Sky;
-    if (parms.noDraw || parms.fog || parms.clip || parms.trigger || parms.areaPortal || parms.hint || !shader.drawn())
-        return std::nullopt;
+    if (parms.sky || !shader.skyBox.empty()) return Interaction::Sky;
+    if (parms.noDraw || parms.fog || !shader.drawn()) return std::nullopt;
     if (parms.alphaShadow || parms.lightFilter) return Interaction::Filter;
     if (parms.translucent || decal(shader)) return std::nullopt;
     return Interaction::Opaque;

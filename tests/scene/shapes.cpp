@@ -105,7 +105,10 @@ std::uint32_t LevelMaker::shader(const std::string& name, std::shared_ptr<const 
     texture.images = {name};
     texture.blend = {level::BlendFactor::DestinationColour, level::BlendFactor::Zero};
     made.stages = {lightmap, texture};
-    if (image) level.textures.push_back({name, name + ".tga", std::move(image), false});
+    if (image) {
+        level.textureIndex[name] = level.textures.size();
+        level.textures.push_back({name, name + ".tga", std::move(image), false});
+    }
     return static_cast<std::uint32_t>(level.shaders.size() - 1);
 }
 
