@@ -1,6 +1,7 @@
 #include "osgPlugins/osgpie/load.h"
 
 #include "osgPlugins/osgpie/initial_view.h"
+#include "osgPlugins/osgpie/settle.h"
 #include "pie/core/parallel.h"
 
 namespace osgpie {
@@ -23,6 +24,7 @@ osg::ref_ptr<LevelNode> makeNode(pie::level::Level&& level, const pie::engine::S
     const auto shared = std::make_shared<const pie::level::Level>(std::move(level));
     osg::ref_ptr<LevelNode> node = makeLevelNode(std::make_shared<pie::engine::Engine>(shared, settings));
     addInitialView(*node);
+    if (settings.settle) settle(*node);
     return node;
 }
 

@@ -97,6 +97,7 @@ struct Settings {
     std::string game;                  ///< game directory; empty: the one around the level
     std::vector<std::string> textures; ///< further game directories, searched after the level's own
     std::string config;                ///< the TOML file read last
+    bool settle = false;               ///< all light while loading, then no callbacks
     int threads = 0;                   ///< 0: one per core
     bool stats = false;
 

@@ -203,10 +203,14 @@ constexpr std::array table{
         ""},
     Row{"config", "Files and run", Path{&Settings::config, false}, 0, 0, "",
         "TOML file with settings, one `key = value` a line. Option strings and command lines win over it.", ""},
+    Row{"settle", "Files and run", &Settings::settle, 0, 0, "",
+        "Trace all photons and light every vertex while loading, and leave no callbacks behind: for converters (osgconv) "
+        "and programs that never run an update. Loading takes seconds longer; the light stays as it is.",
+        ""},
     Row{"threads", "Files and run", &Settings::threads, 0, 1024, "threads",
         "0: one per core. Changes the time, never the picture.", ""},
     Row{"stats", "Files and run", &Settings::stats, 0, 0, "",
-        "Print what was loaded, counted and how long each stage took.", ""},
+        "Keep what was counted and how long each stage took, as JSON in the user value pie.statistics of the level's node.", ""},
 };
 // clang-format on
 

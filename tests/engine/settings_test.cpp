@@ -42,7 +42,7 @@ std::string otherValue(const SettingInfo& info) {
     // Half of the default or, from zero, one: inside every range of the table.
     if (info.defaultValue == "0") return "1";
     const double half = std::stod(info.defaultValue) / 2;
-    if (info.syntax == "<number>") return info.key == "overbright_clamp" ? "1" : std::to_string(half);
+    if (info.syntax == "<number>") return info.key == "overbright_clamp" ? "2" : std::to_string(half);
     return std::to_string(static_cast<long>(std::ceil(half)));
 }
 
