@@ -5,6 +5,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <mutex>
 
@@ -48,7 +49,11 @@ osgDB::ReaderWriter* stockReader(std::string& reason) {
             if (std::find(before.begin(), before.end(), added) == before.end() && added->acceptsExtension("bsp") &&
                 std::string(added->libraryName()) != "osgpie")
                 reader = added;
-        if (reader) break;
+        if (!reader) continue;
+        // The registry asks every reader it knows until one answers: a damaged Quake 3 level would reach the stock
+        // reader after us, which crashes on it or calls an empty scene a success.
+        registry->removeReaderWriter(reader);
+        break;
     }
     if (!reader)
         reason = "OpenSceneGraph's own bsp plug-in, which reads Valve levels, was not found beside its other plug-ins";
