@@ -9,7 +9,7 @@
 // Levels have thousands of lights, of which a receiver sees few. Per receiver: a cheap bound per light; lights are
 // shadow tested in falling order of their bounds until the bounds of the rest, the tail, are small against the light
 // already seen; of the tail `tailSamples` are drawn in proportion to their bounds, so its expectation is right and its
-// noise below `tolerance`. Soft lights get further rays where their share of the light seen deserves them.
+// noise below `tolerance`. Soft lights get further rays in proportion to what they could give.
 //
 // Rays start at Receiver::inset, a small offset off the surface towards the light, and end as much short of the light:
 // vertices lie exactly on neighbouring planes, emissive faces are part of the scene. Light is taken at
@@ -32,17 +32,19 @@
 
 namespace pie::gather {
 
+/// With the defaults, a level of 1,122 area lights and a sun (kaos2) takes 250 rays per receiver and is 3.6 % off in
+/// the root mean square, 1.4 % in the median and 0.0 % in the mean, where there is more than 1 U; all lights at 256
+/// samples each would take 165,000.
 struct DirectOptions {
-    /// Standard error the tail may have, relative to the receiver's direct light. Smaller: more rays.
-    float tolerance = 0.01F;
+    /// Standard error the tail may have at most, relative to the receiver's direct light. Smaller: more rays.
+    float tolerance = 0.02F;
     /// Standard error that is always allowed, watts per square unit (U, of the 255 a lightmap byte holds): spares dark
     /// receivers the test of every light of the level.
-    float absoluteTolerance = 0.05F;
-    unsigned tailSamples = 8;
-    /// A soft light that gives all the light gets this many rays (one that gives a tenth: a tenth of them), but no more
-    /// than lights::sampleCount times `softness`.
+    float absoluteTolerance = 0.25F;
+    unsigned tailSamples = 64; ///< more: fewer lights have to be tested one by one
+    /// A soft light that gives all the light gets this many rays, one that could give a tenth a tenth of them …
     unsigned softSamples = 64;
-    float softness = 1;
+    float softness = 4; ///< … but no more than lights::sampleCount times this
     /// Every light with its full number of samples: the reference the rest is measured against.
     bool exhaustive = false;
     std::uint64_t seed = 0;

@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t firstRound = 16;
 /// Points of a soft source that are tried until one contributes: parts of it may lie below the horizon.
 constexpr unsigned tries = 16;
+/// Light one ray to a soft source may stand for, of the absolute tolerance: several sources err together.
+constexpr double softTolerance = 0.3;
 
 std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
     // SplitMix64's finaliser over a running sum.
@@ -83,18 +85,19 @@ void DirectJob::takeHead(RayBatch& batch) {
     }
 }
 
+/// Further rays to soft lights, as many as what they could give deserves. What their first ray met does not matter: to
+/// go on only where light was seen would lose what is seen in part.
 void DirectJob::refineSoft(RayBatch& batch) {
-    const double all = seen();
     if (context_.options.exhaustive) return;
+    // What one ray may stand for.
+    const double finest = seen() / std::max(1U, context_.options.softSamples) +
+                          softTolerance * static_cast<double>(context_.options.absoluteTolerance);
     for (std::uint32_t i = 0; i < tested_.size(); ++i) {
         const Tested& tested = tested_[i];
         const unsigned most = context_.sources[tested.source].samples;
         if (most <= 1 || tested.contributions == 0) continue;
-        const double possible = std::abs(mean(glm::dvec3(tested.unoccluded)));
-        // What hides may come out again: its share is that of what it could give.
-        const double share = possible / std::max(all, possible);
-        const auto wanted = static_cast<unsigned>(std::ceil(share * context_.options.softSamples));
-        const unsigned samples = std::min(most, wanted);
+        const double wanted = std::ceil(std::abs(mean(glm::dvec3(tested.unoccluded))) / finest);
+        const auto samples = static_cast<unsigned>(std::min(wanted, static_cast<double>(most)));
         if (samples > tested.samples) ask(i, samples - tested.samples, batch);
     }
 }
@@ -104,6 +107,9 @@ void DirectJob::drawTail(RayBatch& batch) {
     // Summed anew: `tail_` has been counted down.
     double total = 0;
     for (const Bounded& waiting : waiting_) total += static_cast<double>(waiting.bound);
+    std::sort(waiting_.begin(), waiting_.end(), [&](const Bounded& a, const Bounded& b) {
+        return context_.sources.rank(a.source) < context_.sources.rank(b.source);
+    });
     const unsigned draws = context_.options.tailSamples;
     const double step = total / draws;
     double target = step * static_cast<double>(hash(0));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <variant>
 
 namespace pie::gather {
@@ -96,13 +97,40 @@ SourceBound boundOf(const lights::Light& light, std::uint32_t direction) {
 
 Sources::Sources(std::span<const lights::Light> lights, float softness, float onPlane) : onPlane_(onPlane) {
     for (std::size_t i = 0; i < lights.size(); ++i) add(lights[i], static_cast<std::uint32_t>(i), softness);
+    makeRanks();
+}
+
+void Sources::makeRanks() {
+    Box box;
+    for (const SourceBound& bound : bounds_)
+        if (bound.kind != Kind::Parallel) box.extend(bound.centre);
+    const Vec3 scale = 1023.0F / glm::max(box.size(), Vec3(1e-30F));
+    const auto spread = [](float place) { // ten bits, two zeros after each
+        auto x = static_cast<std::uint64_t>(std::clamp(place, 0.0F, 1023.0F));
+        std::uint64_t result = 0;
+        for (unsigned bit = 0; bit < 10; ++bit) result |= (x >> bit & 1U) << (3 * bit);
+        return result;
+    };
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+        std::uint64_t code = std::uint64_t{1} << 60U; // parallel light: together, at the end
+        if (bounds_[i].kind != Kind::Parallel) {
+            const Vec3 place = (bounds_[i].centre - box.lower) * scale;
+            code = spread(place.x) | spread(place.y) << 1U | spread(place.z) << 2U;
+        }
+        order.emplace_back(code, static_cast<std::uint32_t>(i));
+    }
+    std::sort(order.begin(), order.end());
+    ranks_.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) ranks_[order[i].second] = static_cast<std::uint32_t>(i);
 }
 
 void Sources::add(const lights::Light& light, std::uint32_t number, float softness) {
     const auto* sky = std::get_if<lights::SkyLight>(&light);
     const std::size_t directions = sky != nullptr ? sky->towards.size() : 1;
-    const float wanted = softness * static_cast<float>(lights::sampleCount(light));
-    const unsigned samples = sky != nullptr ? 1U : static_cast<unsigned>(std::clamp(wanted, 1.0F, 65536.0F));
+    const unsigned deserved = sky != nullptr ? 1U : lights::sampleCount(light);
+    const float wanted = std::clamp(softness * static_cast<float>(deserved), 1.0F, 65536.0F);
+    const unsigned samples = deserved > 1 ? static_cast<unsigned>(wanted) : 1U;
     for (std::size_t d = 0; d < directions; ++d) {
         sources_.push_back({&light, number, static_cast<std::uint32_t>(d), samples});
         bounds_.push_back(boundOf(light, static_cast<std::uint32_t>(d)));
@@ -177,7 +205,8 @@ Rgb Sources::unoccluded(std::size_t source, const Place& place) const {
 }
 
 std::size_t Sources::bytes() const {
-    return sources_.capacity() * sizeof(Source) + bounds_.capacity() * sizeof(SourceBound);
+    return sources_.capacity() * sizeof(Source) + bounds_.capacity() * sizeof(SourceBound) +
+           ranks_.capacity() * sizeof(std::uint32_t);
 }
 
 } // namespace pie::gather

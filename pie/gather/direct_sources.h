@@ -58,16 +58,21 @@ public:
     /// One way from the source to the receiver, as seen from `place.position` or, see Place, `place.inset`. `u` chooses
     /// the point of a soft source.
     [[nodiscard]] lights::Illumination sample(std::size_t source, const Place& place, const Vec2& u) const;
+    /// Place of the source in an order in which neighbours stay close (Morton's curve). Draws that are even in this
+    /// order are spread over space, and what blocks one light blocks its neighbours.
+    [[nodiscard]] std::uint32_t rank(std::size_t source) const { return ranks_[source]; }
     /// Where `sample` and `unoccluded` look from.
     [[nodiscard]] Vec3 pointFor(std::size_t source, const Place& place) const;
     [[nodiscard]] std::size_t bytes() const;
 
 private:
+    void makeRanks();
     void add(const lights::Light& light, std::uint32_t number, float softness);
 
     float onPlane_;
     std::vector<Source> sources_;
     std::vector<SourceBound> bounds_;
+    std::vector<std::uint32_t> ranks_;
 };
 
 struct DirectLight::Context {
