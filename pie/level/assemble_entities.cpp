@@ -127,7 +127,8 @@ void addFogs(Level& level, const Bsp& bsp, const ShaderLibrary& shaders) {
         if (effect.brush < 0) continue;
         const BspBrush& brush = bsp.brushes[static_cast<std::size_t>(effect.brush)];
         const auto plane = [&](std::int32_t side) -> const BspPlane& {
-            const BspBrushSide& s = bsp.brushSides[static_cast<std::size_t>(brush.firstSide + side)];
+            const BspBrushSide& s =
+                bsp.brushSides[static_cast<std::size_t>(brush.firstSide) + static_cast<std::size_t>(side)];
             return bsp.planes[static_cast<std::size_t>(s.plane)];
         };
         for (std::int32_t side = 0; side < brush.sideCount; ++side)

@@ -109,7 +109,7 @@ std::string takeScriptedLightmap(Shader& shader) {
     for (Stage& stage : shader.stages) {
         if (stage.source != Stage::Source::Image || stage.tcGen != TcGen::Lightmap || stage.images.size() != 1)
             continue;
-        const std::string name = lower(stage.images.front());
+        std::string name = lower(stage.images.front());
         if (!name.starts_with("maps/") || name.find("/lm_") == std::string::npos) continue;
         stage.source = Stage::Source::Lightmap;
         stage.images.clear();

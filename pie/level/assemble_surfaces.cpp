@@ -54,7 +54,7 @@ private:
 Vec3 unitOr(const Vec3& v, const Vec3& fallback) {
     for (const Vec3& candidate : {v, fallback})
         if (const double length = glm::length(glm::dvec3(candidate)); std::isfinite(length) && length > 1e-6)
-            return Vec3(glm::dvec3(candidate) / length);
+            return glm::dvec3(candidate) / length;
     return {0, 0, 1};
 }
 

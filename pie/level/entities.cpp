@@ -14,8 +14,8 @@ Error at(const std::string& file, const std::string& place, const Token& token, 
 } // namespace
 
 std::string_view Entity::value(std::string_view key) const {
-    for (auto pair = pairs.rbegin(); pair != pairs.rend(); ++pair)
-        if (equalNoCase(pair->first, key)) return pair->second;
+    for (std::size_t i = pairs.size(); i-- > 0;)
+        if (equalNoCase(pairs[i].first, key)) return pairs[i].second;
     return {};
 }
 

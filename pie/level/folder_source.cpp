@@ -117,7 +117,7 @@ private:
 
 class MemorySource final : public FileSource {
 public:
-    MemorySource(std::string name, std::vector<std::pair<std::string, Bytes>> files) : name_(std::move(name)) {
+    MemorySource(std::string name, std::vector<std::pair<std::string, Bytes>>&& files) : name_(std::move(name)) {
         for (auto& [fileName, bytes] : files)
             if (std::optional<std::string> safe = safeName(fileName))
                 files_.insert_or_assign(std::move(*safe), std::move(bytes));

@@ -95,7 +95,7 @@ struct Texture {
     bool clamp = false;
 };
 
-/// Names a stage of the load and how long it took.
+/// Names a stage of the load (file, parse, shaders, surfaces, images) and how long it took.
 using StageTime = std::pair<std::string, double>; ///< milliseconds
 
 struct LoadStatistics {

@@ -53,9 +53,14 @@ void reportDefects(Level& level, const Bsp& bsp, const ShaderLibrary& shaders) {
 } // namespace
 
 Result<Level> loadLevel(Location location, const LoadOptions& options) {
-    Result<Bytes> bytes = location.files.read(location.name);
+    LoadStatistics reading;
+    StageClock clock(reading);
+    const Result<Bytes> bytes = location.files.read(location.name);
     if (!bytes) return bytes.error();
-    return loadLevel(*bytes, std::move(location), options);
+    clock.done("file");
+    Result<Level> level = loadLevel(*bytes, std::move(location), options);
+    if (level) level->statistics.times.insert(level->statistics.times.begin(), reading.times.front());
+    return level;
 }
 
 Result<Level> loadLevel(std::span<const std::byte> bytes, Location location, const LoadOptions& options) {

@@ -64,7 +64,7 @@ struct Lines {
     struct Line {
         int segment = 0; ///< Bézier segment, counted in control points: 0, 2, 4 …
         int step = 0, pieces = 1;
-        [[nodiscard]] double parameter() const { return segment / 2 + static_cast<double>(step) / pieces; }
+        [[nodiscard]] double parameter() const { return 0.5 * segment + static_cast<double>(step) / pieces; }
     };
     std::vector<Line> lines;
 
@@ -191,7 +191,7 @@ private:
                     isCorner ? corner(alongRow ? along : across, alongRow ? across : along)
                              : add(blend(control(alongRow, segment, across), control(alongRow, segment + 1, across),
                                          control(alongRow, segment + 2, across), weightsAt(i, n)));
-                chain.add(vertex, segment / 2 + static_cast<double>(i) / n);
+                chain.add(vertex, 0.5 * segment + static_cast<double>(i) / n);
             }
         }
         return chain;

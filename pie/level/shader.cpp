@@ -5,6 +5,8 @@
 #include "pie/level/tokens.h"
 #include "pie/level/vfs.h"
 
+#include "pie/core/parallel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,26 +49,6 @@ void SurfaceParms::addFlags(std::int32_t surfaceFlags, std::int32_t contentFlags
     if ((content & 0x8000000U) != 0) structural = false;
 }
 
-/// Where a definition stands: parsed when it is asked for, because a level uses a few dozen of several thousand.
-struct ShaderLibrary::Index {
-    struct Definition {
-        std::size_t file = 0, offset = 0;
-        int line = 1;     ///< of the name
-        int bodyLine = 1; ///< of the '{'
-    };
-    struct File {
-        std::string name;
-        std::string text;
-    };
-    std::vector<std::unique_ptr<const File>> files;
-    std::unordered_map<std::string, Definition> definitions;
-    std::vector<std::string> warnings;
-    std::mutex mutex; ///< guards `parsed`
-    std::unordered_map<std::string, std::unique_ptr<const Shader>> parsed;
-};
-
-ShaderLibrary::ShaderLibrary() : index_(std::make_shared<Index>()) {}
-
 namespace {
 
 /// What one file defines, in its order. The game ignores a file with an unclosed or unopened definition whole.
@@ -104,31 +86,74 @@ Scan scanDefinitions(std::string_view text, const std::string& fileName) {
 
 } // namespace
 
+/// Where a definition stands: parsed when it is asked for, because a level uses a few dozen of several thousand.
+struct ShaderLibrary::Index {
+    struct Definition {
+        std::size_t file = 0, offset = 0;
+        int line = 1;     ///< of the name
+        int bodyLine = 1; ///< of the '{'
+    };
+    struct File {
+        std::string name;
+        std::string text;
+    };
+    std::vector<std::unique_ptr<const File>> files;
+    std::unordered_map<std::string, Definition> definitions;
+    std::vector<std::string> warnings;
+    std::mutex mutex; ///< guards `parsed`
+    std::unordered_map<std::string, std::unique_ptr<const Shader>> parsed;
+
+    void add(std::unique_ptr<const File> file, Scan scan);
+};
+
+ShaderLibrary::ShaderLibrary() : index_(std::make_shared<Index>()) {}
+
+/// Adds a file's definitions below those that are already there.
+void ShaderLibrary::Index::add(std::unique_ptr<const File> file, Scan scan) {
+    if (!scan.defect.empty()) warnings.push_back(std::move(scan.defect));
+    for (Scan::Definition& found : scan.definitions)
+        definitions.try_emplace(std::move(found.name),
+                                Definition{files.size(), found.offset, found.line, found.bodyLine});
+    files.push_back(std::move(file));
+}
+
 void ShaderLibrary::parse(std::string_view text, const std::string& fileName) {
     auto file = std::make_unique<const Index::File>(Index::File{fileName, std::string(text)});
     Scan scan = scanDefinitions(file->text, fileName);
-    if (!scan.defect.empty()) index_->warnings.push_back(std::move(scan.defect));
-    for (Scan::Definition& found : scan.definitions)
-        index_->definitions.try_emplace(
-            std::move(found.name), Index::Definition{index_->files.size(), found.offset, found.line, found.bodyLine});
-    index_->files.push_back(std::move(file));
+    index_->add(std::move(file), std::move(scan));
 }
 
 ShaderLibrary ShaderLibrary::load(const Vfs& files) {
-    ShaderLibrary library;
     // The game lists scripts from the highest precedence down (each name once, read from where it wins), joins the
     // texts from the last of that list to the first, and takes the first definition of a name it meets in the joined
     // text (ioquake3, ScanAndLoadShaderFiles and FindShaderInShaderText). So of two files of *different* names the one
     // in the lower archive wins.
     std::vector<std::string> names = files.scan("scripts", ".shader");
     std::reverse(names.begin(), names.end());
-    for (const std::string& name : names) {
-        const Result<Bytes> bytes = files.read(name);
-        if (!bytes) {
-            library.index_->warnings.push_back(bytes.error().message());
-            continue;
+    struct Loaded {
+        std::unique_ptr<const Index::File> file;
+        Scan scan;
+        std::string failure;
+    };
+    std::vector<Loaded> loaded(names.size());
+    parallelChunks(names.size(), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Result<Bytes> bytes = files.read(names[i]);
+            if (!bytes) {
+                loaded[i].failure = bytes.error().message();
+                continue;
+            }
+            std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+            loaded[i].file = std::make_unique<const Index::File>(Index::File{names[i], std::move(text)});
+            loaded[i].scan = scanDefinitions(loaded[i].file->text, names[i]);
         }
-        library.parse(std::string_view(reinterpret_cast<const char*>(bytes->data()), bytes->size()), name);
+    });
+    ShaderLibrary library;
+    for (Loaded& script : loaded) {
+        if (script.file)
+            library.index_->add(std::move(script.file), std::move(script.scan));
+        else
+            library.index_->warnings.push_back(std::move(script.failure));
     }
     return library;
 }

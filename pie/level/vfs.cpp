@@ -86,16 +86,16 @@ bool Vfs::contains(std::string_view name) const {
 
 std::string Vfs::origin(std::string_view name) const {
     if (const std::optional<std::string> safe = safeName(name))
-        for (auto source = sources_.rbegin(); source != sources_.rend(); ++source)
-            if ((*source)->contains(*safe)) return (*source)->origin(*safe);
+        for (std::size_t i = sources_.size(); i-- > 0;)
+            if (sources_[i]->contains(*safe)) return sources_[i]->origin(*safe);
     return {};
 }
 
 Result<Bytes> Vfs::read(std::string_view name) const {
     const std::optional<std::string> safe = safeName(name);
     if (!safe) return Error{std::string(name), "", "is not a name inside a game directory", ""};
-    for (auto source = sources_.rbegin(); source != sources_.rend(); ++source)
-        if ((*source)->contains(*safe)) return (*source)->read(*safe);
+    for (std::size_t i = sources_.size(); i-- > 0;)
+        if (sources_[i]->contains(*safe)) return sources_[i]->read(*safe);
     return Error{std::string(name), "", "no such file in the folders and pk3 files of the level", ""};
 }
 
@@ -110,8 +110,8 @@ std::vector<std::string> Vfs::scan(std::string_view folder, std::string_view suf
     const std::optional<std::string> prefix = folderPrefix(folder);
     if (!prefix) return result;
     std::unordered_set<std::string> seen;
-    for (auto source = sources_.rbegin(); source != sources_.rend(); ++source)
-        for (std::string& name : (*source)->list(*prefix, std::string(suffix)))
+    for (std::size_t i = sources_.size(); i-- > 0;)
+        for (std::string& name : sources_[i]->list(*prefix, std::string(suffix)))
             if (seen.insert(name).second) result.push_back(std::move(name));
     return result;
 }

@@ -19,11 +19,7 @@ Bsp full() {
     LevelBuilder builder;
     const int wall = builder.shader("textures/wall");
     builder.room(Vec3(-256), Vec3(256), {wall, wall, wall, wall, wall, wall}, 0);
-    std::vector<Vec3> controls;
-    for (int i = 0; i < 15; ++i)
-        controls.emplace_back(20.0F * static_cast<float>(i % 5), 20.0F * static_cast<float>(i / 5),
-                              10.0F * static_cast<float>(i % 2));
-    builder.patch(wall, 5, 3, controls, 0);
+    builder.patch(wall, 5, 3, controlGrid(5, 3, 20, [](int c, int) { return 10.0F * static_cast<float>(c % 2); }), 0);
     const int fog = builder.brush(builder.shader("textures/fog", 0, 0x40), Vec3(-64), Vec3(64));
     builder.effect("textures/fog", fog, 5);
     builder.raw().faces.front().effect = 0;
@@ -41,7 +37,7 @@ std::string failure(const std::vector<std::byte>& bytes) {
     const Result<Bsp> bsp = readBsp(bytes, "x.bsp");
     EXPECT_FALSE(bsp) << "was accepted";
     if (bsp) return {};
-    const std::string message = bsp.error().message();
+    std::string message = bsp.error().message();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     return message;
 }

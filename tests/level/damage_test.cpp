@@ -20,11 +20,7 @@ std::vector<std::byte> victim() {
     LevelBuilder builder;
     const int wall = builder.shader("t/wall");
     builder.room(Vec3(-256), Vec3(256), {wall, wall, wall, wall, wall, wall}, 0);
-    std::vector<Vec3> controls;
-    for (int i = 0; i < 49; ++i)
-        controls.emplace_back(30.0F * static_cast<float>(i % 7), 30.0F * static_cast<float>(i / 7),
-                              25.0F * static_cast<float>(i % 3));
-    builder.patch(wall, 7, 7, controls, 1);
+    builder.patch(wall, 7, 7, controlGrid(7, 7, 30, [](int c, int) { return 25.0F * static_cast<float>(c % 3); }), 1);
     builder.effect("t/fog", builder.brush(builder.shader("t/fog", 0, 0x40), Vec3(-64), Vec3(64)), 5);
     builder.submodel();
     builder.polygon(wall, {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}});
@@ -82,7 +78,7 @@ TEST(Damage, TheVictimItselfLoads) {
 
 TEST(Damage, TruncatedAtEveryLumpBoundary) {
     const std::vector<std::byte> good = victim();
-    for (int lump = 0; lump < lumpCount; ++lump) {
+    for (std::size_t lump = 0; lump < lumpCount; ++lump) {
         std::int32_t offset = 0;
         std::int32_t length = 0;
         std::memcpy(&offset, good.data() + 8 + 8 * lump, 4);

@@ -35,8 +35,8 @@ TEST(Entities, KeysComeInOrderAndTheLastOneWins) {
 }
 
 TEST(Entities, NumbersAndVectorsAreCheckedForSense) {
-    const auto entities = parse(
-        "{ \"n\" \"12.5 units\" \"bad\" \"x\" \"inf\" \"1e99\" \"v\" \"1 -2 +3.5\" \"short\" \"1 2\" \"empty\" \"\" }");
+    const auto entities =
+        parse(R"({ "n" "12.5 units" "bad" "x" "inf" "1e99" "v" "1 -2 +3.5" "short" "1 2" "empty" "" })");
     const Entity& e = entities.at(0);
     EXPECT_EQ(e.number("n"), 12.5F);
     EXPECT_FALSE(e.number("bad"));

@@ -49,7 +49,9 @@ TEST(Load, ARoomLooksInwards) {
     EXPECT_EQ(level.statistics.drawnBounds.upper, Vec3(128));
     EXPECT_THAT(level.statistics.dialect, HasSubstr("IBSP 46"));
     EXPECT_EQ(level.statistics.lumps.size(), 17U);
-    EXPECT_FALSE(level.statistics.times.empty());
+    std::vector<std::string> stages;
+    for (const auto& [stage, milliseconds] : level.statistics.times) stages.push_back(stage);
+    EXPECT_THAT(stages, ElementsAre("file", "parse", "shaders", "surfaces", "images"));
     for (const Surface& surface : level.surfaces)
         for (std::size_t i = surface.firstIndex; i < surface.firstIndex + surface.indexCount; i += 3) {
             const Vec3 centre = level.vertices[level.indices[i]].position;
@@ -263,11 +265,8 @@ TEST(Load, TheTreeFindsLeaves) {
 
 TEST(Load, PatchesBecomeSurfaces) {
     LevelBuilder builder;
-    std::vector<Vec3> controls;
-    for (int i = 0; i < 9; ++i)
-        controls.emplace_back(64.0F * static_cast<float>(i % 3), 64.0F * static_cast<float>(i / 3),
-                              i % 3 == 1 ? 64.0F : 0.0F);
-    builder.patch(builder.shader("t/wall"), 3, 3, controls);
+    builder.patch(builder.shader("t/wall"), 3, 3,
+                  controlGrid(3, 3, 64, [](int c, int) { return c == 1 ? 64.0F : 0.0F; }));
     const Level level = load(builder, {{"t/wall.tga", colour({1, 2, 3, 255})}});
     ASSERT_EQ(level.surfaces.size(), 1U);
     EXPECT_EQ(level.surfaces[0].kind, SurfaceKind::Patch);

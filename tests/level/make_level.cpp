@@ -75,8 +75,8 @@ int LevelBuilder::patch(int shader, int width, int height, const std::vector<Vec
     for (std::size_t i = 0; i < controls.size(); ++i) {
         BspVertex v;
         v.position = controls[i];
-        v.texture = Vec2(static_cast<float>(i % static_cast<std::size_t>(width)),
-                         static_cast<float>(i / static_cast<std::size_t>(width)));
+        const std::size_t row = i / static_cast<std::size_t>(width);
+        v.texture = Vec2(static_cast<float>(i % static_cast<std::size_t>(width)), static_cast<float>(row));
         v.normal = Vec3(0, 0, 1);
         bsp_.vertices.push_back(v);
     }
@@ -121,7 +121,8 @@ Bsp LevelBuilder::build() const {
         for (std::int32_t f = model.firstFace; f < model.firstFace + model.faceCount; ++f) {
             const BspFace& face = bsp.faces[static_cast<std::size_t>(f)];
             for (std::int32_t v = 0; v < face.vertexCount; ++v)
-                bounds.extend(bsp.vertices[static_cast<std::size_t>(face.firstVertex + v)].position);
+                bounds.extend(
+                    bsp.vertices[static_cast<std::size_t>(face.firstVertex) + static_cast<std::size_t>(v)].position);
         }
         model.mins = bounds.empty() ? Vec3(0.0F) : bounds.lower;
         model.maxs = bounds.empty() ? Vec3(0.0F) : bounds.upper;
@@ -149,6 +150,15 @@ Bsp LevelBuilder::build() const {
     node.maxs = leaf.maxs;
     bsp.nodes.push_back(node);
     return bsp;
+}
+
+std::vector<Vec3> controlGrid(int width, int height, float step, const std::function<float(int, int)>& z) {
+    std::vector<Vec3> controls;
+    controls.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column)
+            controls.emplace_back(step * static_cast<float>(column), step * static_cast<float>(row), z(column, row));
+    return controls;
 }
 
 Bytes toBytes(std::string_view text) {

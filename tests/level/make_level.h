@@ -45,6 +45,9 @@ private:
     level::Bsp bsp_;
 };
 
+/// Control points for `patch`: a grid in x and y with this pitch and these heights.
+[[nodiscard]] std::vector<Vec3> controlGrid(int width, int height, float step,
+                                            const std::function<float(int column, int row)>& z);
 [[nodiscard]] level::Bytes toBytes(std::string_view text);
 /// A level with these further files around it, all in memory.
 [[nodiscard]] level::Location inMemory(const level::Bsp& bsp,

@@ -19,10 +19,11 @@ namespace {
 struct Grid {
     int width = 3, height = 3;
     std::vector<PatchVertex> controls;
-    PatchVertex& at(int column, int row) { return controls[static_cast<std::size_t>(row * width + column)]; }
-    [[nodiscard]] const PatchVertex& at(int column, int row) const {
-        return controls[static_cast<std::size_t>(row * width + column)];
+    [[nodiscard]] std::size_t index(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
     }
+    PatchVertex& at(int column, int row) { return controls[index(column, row)]; }
+    [[nodiscard]] const PatchVertex& at(int column, int row) const { return controls[index(column, row)]; }
     [[nodiscard]] PatchMesh mesh(float tolerance = 1.0F) const {
         return tessellate(controls, width, height, tolerance);
     }
@@ -275,6 +276,7 @@ TEST(Patch, NeighboursMeetInBitEqualEdges) {
     for (int round = 0; round < 150; ++round) {
         const int length = 3 + 2 * static_cast<int>(random() % 3);
         std::vector<Vec3> shared;
+        shared.reserve(static_cast<std::size_t>(length));
         for (int i = 0; i < length; ++i) shared.push_back(point());
         if (random() % 4 == 0) shared[1] = 0.5F * (shared[0] + shared[2]); // a straight segment
         if (random() % 8 == 0) shared.back() = shared.front();             // a closed edge

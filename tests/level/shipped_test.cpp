@@ -218,7 +218,8 @@ TEST(Shipped, NeighbouringPatchesLeaveNoCracks) {
             if (face.type != BspFaceType::Patch) continue;
             std::vector<PatchVertex> controls;
             for (std::int32_t i = 0; i < face.vertexCount; ++i) {
-                const BspVertex& v = bsp->vertices[static_cast<std::size_t>(face.firstVertex + i)];
+                const BspVertex& v =
+                    bsp->vertices[static_cast<std::size_t>(face.firstVertex) + static_cast<std::size_t>(i)];
                 controls.push_back({v.position, v.normal, v.texture, v.lightmap, Vec4(v.colour)});
             }
             const auto [w, h] = face.patchSize;
@@ -226,7 +227,9 @@ TEST(Shipped, NeighbouringPatchesLeaveNoCracks) {
             for (const PatchVertex& v : tessellate(controls, w, h).vertices) vertices.insert(key(v.position));
             const auto addSegment = [&](int first, int step) {
                 const auto p = [&](int i) {
-                    return glm::dvec3(controls[static_cast<std::size_t>(first + i * step)].position);
+                    return glm::dvec3(controls[static_cast<std::size_t>(first) +
+                                               static_cast<std::size_t>(i) * static_cast<std::size_t>(step)]
+                                          .position);
                 };
                 const glm::dvec3 a = p(0);
                 const glm::dvec3 b = p(1);
