@@ -1,5 +1,6 @@
 #include "pie/lights/light_set.h"
 #include "pie/lights/kinds.h"
+#include "pie/sampling/directions.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,27 +23,58 @@ LightSet::LightSet(std::vector<Light> lights, std::shared_ptr<const scene::Scene
     : lights_(std::move(lights)), scene_(std::move(scene)) {
     if (!scene_) scene_ = std::make_shared<scene::Scene>();
     portals_ = skyPortals(*scene_);
-    double total = 0.0;
-    glm::dvec3 sum(0.0);
-    const auto add = [&](std::uint32_t light, std::uint32_t direction, const Rgb& watts) {
-        const double weight = weightOf(watts);
-        if (!(weight > 0.0)) return;
-        entries_.push_back({light, direction, weight});
-        cumulative_.push_back(total += weight);
-        sum += glm::dvec3(watts);
-    };
     for (std::uint32_t i = 0; i < lights_.size(); ++i) {
         if (const auto* sky = std::get_if<SkyLight>(&lights_[i])) {
             for (std::uint32_t k = 0; k < sky->towards.size(); ++k)
-                add(i, k, detail::scaled(sky->irradiance, projectedArea(portals_, sky->towards[k])));
+                add({i, k, Part::Direction}, detail::scaled(sky->irradiance, projectedArea(portals_, sky->towards[k])));
+        } else if (const auto* area = std::get_if<AreaLight>(&lights_[i])) {
+            addPolygon(i, *area);
         } else {
-            add(i, 0, power(lights_[i], *scene_, portals_));
+            add({i, 0, Part::Whole}, power(lights_[i], *scene_, portals_));
         }
     }
-    totalPower_ = Rgb(sum);
-    for (auto& entry : entries_) entry.scale = total / entry.scale;
+    finish();
+}
+
+void LightSet::add(const Entry& entry, const Rgb& watts) {
+    const double weight = weightOf(watts);
+    if (!(weight > 0.0)) return;
+    entries_.push_back(entry);
+    entries_.back().scale = weight;
+    cumulative_.push_back((cumulative_.empty() ? 0.0 : cumulative_.back()) + weight);
+    sum_ += glm::dvec3(watts);
+}
+
+void LightSet::addPolygon(std::uint32_t light, const AreaLight& polygon) {
+    if (!(weightOf(detail::areaPower(polygon)) > 0.0)) return;
+    float reach = 0.0F;
+    for (const Vec3& corner : polygon.corners) reach = std::max(reach, largestCoordinate(scene_->bounds, corner));
+    for (const float side : {1.0F, -1.0F}) {
+        if (side < 0.0F && !polygon.twoSided) return;
+        for (std::size_t k = 1; k + 1 < polygon.corners.size(); ++k) {
+            Triangle triangle;
+            triangle.side1 = polygon.corners[k] - polygon.corners[0];
+            triangle.side2 = polygon.corners[k + 1] - polygon.corners[0];
+            triangle.normal = side * polygon.normal;
+            triangle.corner = polygon.corners[0] + surfaceOffset(reach) * triangle.normal;
+            const double area = 0.5 * glm::length(glm::cross(glm::dvec3(triangle.side1), glm::dvec3(triangle.side2)));
+            triangle.flux = detail::scaled(polygon.radiosity, area);
+            add({light, static_cast<std::uint32_t>(triangles_.size()), Part::Triangle}, triangle.flux);
+            triangles_.push_back(triangle);
+        }
+    }
+}
+
+void LightSet::finish() {
+    totalPower_ = Rgb(sum_);
+    if (entries_.empty()) return;
+    const double total = cumulative_.back();
+    for (Entry& entry : entries_) {
+        entry.scale = total / entry.scale;
+        if (entry.part == Part::Triangle)
+            triangles_[entry.number].flux = detail::scaled(triangles_[entry.number].flux, entry.scale);
+    }
     for (double& share : cumulative_) share /= total;
-    if (cumulative_.empty()) return;
     cumulative_.back() = 1.0;
     // One bucket or more per entry: a choice looks at about two entries however many lights there are.
     guide_.resize(std::bit_ceil(cumulative_.size()));
@@ -59,18 +91,41 @@ const LightSet::Entry& LightSet::choose(float u) const {
     return entries_[i];
 }
 
-Emission LightSet::emit(const sampling::Halton& halton, std::uint64_t index, std::uint32_t* light) const {
-    const Entry& entry = choose(entries_.size() > 1 ? halton(index, 0) : 0.0F);
-    const Light& source = lights_[entry.light];
-    if (light != nullptr) *light = entry.light;
-    const std::array<float, 4> u{halton(index, 1), halton(index, 2), halton(index, 3), halton(index, 4)};
+Emission LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u) const {
     Emission result;
-    if (const auto* sky = std::get_if<SkyLight>(&source))
-        result = detail::emitParallel(sky->towards[entry.direction], sky->irradiance, *scene_, portals_, {u[2], u[3]});
-    else
-        result = lights::emit(source, *scene_, portals_, u);
+    if (entry.part == Part::Triangle) {
+        const Triangle& triangle = triangles_[entry.number];
+        const Vec2 weights = sampling::uniformTriangle({u[2], u[3]});
+        result.origin = triangle.corner + weights.x * triangle.side1 + weights.y * triangle.side2;
+        result.direction = Frame(triangle.normal).toWorld(sampling::cosineHemisphere({u[0], u[1]}));
+        result.flux = triangle.flux;
+        return result;
+    }
+    if (entry.part == Part::Direction) {
+        const auto& sky = std::get<SkyLight>(lights_[entry.light]);
+        result = detail::emitParallel(sky.towards[entry.number], sky.irradiance, *scene_, portals_, {u[2], u[3]});
+    } else {
+        result = lights::emit(lights_[entry.light], *scene_, portals_, u);
+    }
     result.flux = detail::scaled(result.flux, entry.scale);
     return result;
+}
+
+Emission LightSet::emit(const sampling::Halton& halton, std::uint64_t index, std::uint32_t* light) const {
+    const Entry& entry = choose(halton(index, 0));
+    if (light != nullptr) *light = entry.light;
+    return emitFrom(entry, {halton(index, 1), halton(index, 2), halton(index, 3), halton(index, 4)});
+}
+
+void LightSet::emit(const sampling::Halton& halton, std::uint64_t first, std::span<Emission> out) const {
+    constexpr std::size_t block = 256;
+    std::array<std::array<float, block>, dimensions> u;
+    for (std::size_t done = 0; done < out.size(); done += block) {
+        const std::size_t count = std::min(block, out.size() - done);
+        for (unsigned d = 0; d < dimensions; ++d) halton.fill(first + done, d, std::span(u[d]).first(count));
+        for (std::size_t i = 0; i < count; ++i)
+            out[done + i] = emitFrom(choose(u[0][i]), {u[1][i], u[2][i], u[3][i], u[4][i]});
+    }
 }
 
 } // namespace pie::lights

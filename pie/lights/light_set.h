@@ -9,7 +9,8 @@
 // per light, nothing is rescaled (the remap of selective photon tracing, 4.1, loses digits), and indices that differ by
 // a multiple of 2^k0 3^k1 5^k2 … still follow similar paths from the same light (eq 5).
 //
-// A sky counts as one entry per direction, so that dimension 0 chooses the direction as well.
+// A sky counts as one entry per direction and a polygon as one per triangle and side, so that dimension 0 chooses those
+// as well.
 
 #include "pie/lights/light.h"
 #include "pie/sampling/halton.h"
@@ -35,22 +36,38 @@ public:
     /// given, receives its number in `lights()`. Not to be called when empty().
     [[nodiscard]] Emission emit(const sampling::Halton& halton, std::uint64_t index,
                                 std::uint32_t* light = nullptr) const;
+    /// The same for consecutive indices, out[i] for `first` + i, to the bit and cheaper.
+    void emit(const sampling::Halton& halton, std::uint64_t first, std::span<Emission> out) const;
     static constexpr unsigned dimensions = 5;
 
 private:
+    enum class Part : std::uint8_t { Whole, Triangle, Direction };
+    /// What dimension 0 chooses from.
     struct Entry {
         std::uint32_t light = 0;
-        std::uint32_t direction = 0; ///< of a sky
-        double scale = 0;            ///< one over the probability of choosing it
+        std::uint32_t number = 0; ///< Triangle: of `triangles_`; Direction: of the sky's
+        Part part = Part::Whole;
+        double scale = 0; ///< one over the probability of choosing it
     };
+    /// Of an area light, moved off its surface to where rays start.
+    struct Triangle {
+        Vec3 corner{0.0F}, side1{0.0F}, side2{0.0F}, normal{0.0F};
+        Rgb flux{0.0F}; ///< of its photons
+    };
+    void addPolygon(std::uint32_t light, const AreaLight& polygon);
+    void add(const Entry& entry, const Rgb& watts);
+    void finish();
+    [[nodiscard]] Emission emitFrom(const Entry& entry, const std::array<float, 4>& u) const;
     [[nodiscard]] const Entry& choose(float u) const;
 
     std::vector<Light> lights_;
     std::vector<Entry> entries_;
+    std::vector<Triangle> triangles_;
     std::vector<double> cumulative_;   ///< of power shares per entry, ends with 1
     std::vector<std::uint32_t> guide_; ///< first entry that can be meant, by the leading bits of u
     std::shared_ptr<const scene::Scene> scene_;
     SkyPortals portals_;
+    glm::dvec3 sum_{0.0}; ///< of the powers of the entries
     Rgb totalPower_{0.0F};
 };
 

@@ -36,12 +36,12 @@ TraceCounts& TraceCounts::operator+=(const TraceCounts& other) {
 PhotonTracer::PhotonTracer(const scene::Scene& scene, const lights::LightSet& lights,
                            const intersect::Intersector& intersector, const TracerOptions& options)
     : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(options.seed),
-      reach_(lights::largestCoordinate(scene.bounds, Vec3(0.0F))) {}
+      surroundings_(std::make_shared<Surroundings>(scene)) {}
 
 TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::vector<Photon>& out) const {
     TraceCounts counts;
     if (lights_.empty()) return counts;
-    const Wavefront wavefront(scene_, lights_, intersector_, options_, halton_, reach_, count);
+    const Wavefront wavefront(scene_, lights_, intersector_, options_, halton_, *surroundings_, count);
     const std::size_t grain = std::max<std::size_t>(1, chunkPaths * 16 / std::max<std::size_t>(16, wavefront.widest()));
     const std::size_t firstStored = out.size();
     for (std::uint64_t done = 0; done < count; done += grain * chunksAtOnce) {

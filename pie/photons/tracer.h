@@ -17,6 +17,7 @@
 #include "pie/sampling/halton.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace pie::photons {
@@ -55,9 +56,12 @@ struct TraceCounts {
     TraceCounts& operator+=(const TraceCounts& other);
 };
 
+struct Surroundings;
+
 class PhotonTracer {
 public:
-    /// Keeps references: scene, lights and intersector must outlive it.
+    /// Keeps references: scene, lights and intersector must outlive it. Costs a pass over the triangles: make one per
+    /// revision of the scene, not per frame.
     PhotonTracer(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
                  const TracerOptions& options);
     /// Appends the hits of indices [first, first + count) to `out`, in index order; each photon carries its share of a
@@ -70,7 +74,7 @@ private:
     const intersect::Intersector& intersector_;
     TracerOptions options_;
     sampling::Halton halton_;
-    float reach_ = 0; ///< largest coordinate of the scene
+    std::shared_ptr<const Surroundings> surroundings_;
 };
 
 } // namespace pie::photons

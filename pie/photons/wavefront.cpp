@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pie::photons {
 namespace {
@@ -11,6 +12,8 @@ using intersect::Hit;
 using intersect::Ray;
 
 constexpr unsigned dimensionsPerBounce = 3;
+constexpr std::size_t prefetchDistance = 8; // hits
+constexpr std::size_t keptRays = 1U << 20U; // memory a thread keeps between chunks
 constexpr std::uint32_t maxCrossings = 256; // then a filter surface counts as opaque: every path ends
 constexpr float farthestOrigin = 1e15F;     // a light beyond it, or nowhere, lights nothing: t² must stay finite
 constexpr float smallestCosine = 1.0F / 64; // bounds the step back at grazing hits
@@ -43,9 +46,18 @@ Vec2 childNumbers(const Vec2& u, std::uint32_t j, std::uint32_t count, std::uint
 
 } // namespace
 
-/// What a step reads and what it leaves for the next.
+Surroundings::Surroundings(const scene::Scene& scene) : reach(lights::largestCoordinate(scene.bounds, Vec3(0.0F))) {
+    faces.reserve(scene.triangles.size());
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+        faces.push_back({scene.normals[i], scene.triangles[i].material});
+    matter.reserve(scene.materials.size());
+    for (const scene::Material& m : scene.materials)
+        matter.push_back({glm::clamp(m.reflectance, 0.0F, 1.0F), m.interaction, m.twoSided});
+}
+
+/// What a step reads and what it leaves for the next. One per thread, so that its memory is asked for once.
 struct Wavefront::Step {
-    WavefrontResult& result;
+    WavefrontResult* result = nullptr;
     std::uint64_t first = 0;
     std::vector<lights::Emission> emissions;
     std::vector<Path> paths, nextPaths;
@@ -66,8 +78,9 @@ void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) const {
 
 Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
                      const intersect::Intersector& intersector, const TracerOptions& options,
-                     const sampling::Halton& halton, float reach, std::uint64_t total)
-    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(halton), reach_(reach),
+                     const sampling::Halton& halton, const Surroundings& surroundings, std::uint64_t total)
+    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(halton),
+      surroundings_(surroundings),
       perPhoton_(static_cast<float>(1.0 / static_cast<double>(std::max<std::uint64_t>(1, total)))) {
     if (options.scattering != TracerOptions::Scattering::Splitting) return;
     const std::uint32_t wanted = std::clamp(options.diffuseReflections, 1U, maxPathsPerPhoton);
@@ -77,76 +90,88 @@ Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
 }
 
 void Wavefront::run(std::uint64_t first, std::size_t count, WavefrontResult& result) const {
+    static thread_local Step kept;
+    Step step = std::move(kept); // taken out, in case an intersector starts another chunk on this thread meanwhile
+    step.result = &result;
+    step.first = first;
     result.indices = count;
-    Step step{result, first, {}, {}, {}, {}, {}, {}};
+    result.photons.reserve(count);
+    result.owner.reserve(count);
     emit(step, first, count);
     while (!step.rays.empty()) {
         step.hits.resize(step.rays.size());
         intersector_.closest(step.rays, step.hits);
         result.counts.rays += step.rays.size();
-        for (std::size_t i = 0; i < step.rays.size(); ++i) meet(step, step.paths[i], step.rays[i], step.hits[i]);
-        step.paths.swap(step.nextPaths);
-        step.rays.swap(step.nextRays);
         step.nextPaths.clear();
         step.nextRays.clear();
+        for (std::size_t i = 0; i < step.rays.size(); ++i) {
+            const std::size_t soon = std::min(i + prefetchDistance, step.rays.size() - 1);
+            if (step.hits[soon].found()) __builtin_prefetch(&surroundings_.faces[step.hits[soon].triangle]);
+            meet(step, step.paths[i], step.rays[i], step.hits[i]);
+        }
+        step.paths.swap(step.nextPaths);
+        step.rays.swap(step.nextRays);
     }
     result.counts.stored = result.photons.size();
+    if (step.rays.capacity() <= keptRays) kept = std::move(step);
 }
 
 void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
-    step.emissions.reserve(count);
-    step.paths.reserve(count);
-    step.rays.reserve(count);
+    TraceCounts& counts = step.result->counts;
+    step.paths.clear();
+    step.rays.clear();
+    step.emissions.resize(count);
+    lights_.emit(halton_, first, step.emissions);
     for (std::size_t i = 0; i < count; ++i) {
-        const lights::Emission emission = lights_.emit(halton_, first + i);
+        const lights::Emission& emission = step.emissions[i];
         Path path;
         path.flux = emission.flux * perPhoton_;
         path.owner = static_cast<std::uint32_t>(i);
-        // What stands in free space may by chance lie on a surface: hits within rounding of it do not count.
-        const float tMin = emission.falloff != nullptr
-                               ? lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(emission.origin))))
-                               : 0.0F;
-        book(step.result.counts.emittedFlux, path.flux);
-        step.emissions.push_back(emission);
+        book(counts.emittedFlux, path.flux);
         if (!withinReach(emission.origin)) {
-            ++step.result.counts.escaped;
-            book(step.result.counts.escapedFlux, path.flux);
+            ++counts.escaped;
+            book(counts.escapedFlux, path.flux);
             continue;
         }
+        // What stands in free space may by chance lie on a surface: hits within rounding of it do not count.
+        const float tMin = emission.falloff != nullptr ? offsetAt(emission.origin) : 0.0F;
         step.rays.push_back({emission.origin, tMin, emission.direction});
         step.paths.push_back(path);
     }
-    step.result.counts.emitted = count;
+    counts.emitted = count;
 }
 
-void Wavefront::meet(Step& step, const Path& arriving, const Ray& ray, const Hit& hit) const {
-    TraceCounts& counts = step.result.counts;
-    const scene::Material* material = hit.found() ? &scene_.material(hit.triangle) : nullptr;
-    if (material == nullptr || material->interaction == scene::Interaction::Sky) {
+float Wavefront::offsetAt(const Vec3& origin) const {
+    return lights::surfaceOffset(std::max(surroundings_.reach, maxChannel(glm::abs(origin))));
+}
+
+void Wavefront::meet(Step& step, Path& path, const Ray& ray, const Hit& hit) const {
+    TraceCounts& counts = step.result->counts;
+    static constexpr Surroundings::Face nothing{};
+    static constexpr Surroundings::Matter open{Rgb(0.0F), scene::Interaction::Sky, false};
+    const Surroundings::Face& face = hit.found() ? surroundings_.faces[hit.triangle] : nothing;
+    const Surroundings::Matter& matter = hit.found() ? surroundings_.matter[face.material] : open;
+    if (matter.interaction == scene::Interaction::Sky) {
         ++counts.escaped;
-        book(counts.escapedFlux, arriving.flux);
+        book(counts.escapedFlux, path.flux);
         return;
     }
-    Path path = arriving;
     // A plane cannot meet a ray that left it: rounding.
     if (hit.triangle == path.from && path.crossings < maxCrossings) return goOn(step, path, ray, hit.t);
-    if (material->interaction == scene::Interaction::Filter && path.crossings < maxCrossings &&
-        passes(step, path, hit)) {
+    if (matter.interaction == scene::Interaction::Filter && path.crossings < maxCrossings && passes(step, path, hit)) {
         ++counts.filtered;
         return goOn(step, path, ray, hit.t);
     }
 
-    Vec3 normal = scene_.normals[hit.triangle];
-    float cosine = -glm::dot(normal, ray.direction);
+    float cosine = -glm::dot(face.normal, ray.direction);
     if (path.bounce == 0) {
         const Rgb before = path.flux;
         path.flux *= lights::arrivalFactor(step.emissions[path.owner], hit.t, std::abs(cosine));
         bookLoss(counts.absorbedFlux, before, path.flux);
     }
-    if (cosine < 0.0F && material->twoSided) {
-        normal = -normal;
-        cosine = -cosine;
-    }
+    const bool turned = cosine < 0.0F && matter.twoSided;
+    const Vec3 normal = turned ? -face.normal : face.normal;
+    cosine = turned ? -cosine : cosine;
     if (!(cosine > 0.0F)) {
         ++counts.absorbed;
         ++counts.backHits;
@@ -154,19 +179,17 @@ void Wavefront::meet(Step& step, const Path& arriving, const Ray& ray, const Hit
         return;
     }
     if (path.bounce > 0 || options_.storeDirectLight) {
-        Photon photon;
+        Photon& photon = step.result->photons.emplace_back();
         photon.position = ray.origin + hit.t * ray.direction;
         photon.direction = ray.direction;
         photon.flux = path.flux;
         photon.triangle = hit.triangle;
         photon.bounce = static_cast<std::uint8_t>(std::min(path.bounce, 255U));
-        step.result.photons.push_back(photon);
-        step.result.owner.push_back(path.owner);
+        step.result->owner.push_back(path.owner);
     }
     path.from = hit.triangle;
-    const float offset = lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(ray.origin))));
-    const float back = std::min(hit.t, offset / std::max(cosine, smallestCosine)); // fig 5.4
-    reflect(step, path, normal, ray.origin + (hit.t - back) * ray.direction, material->reflectance);
+    const float back = std::min(hit.t, offsetAt(ray.origin) / std::max(cosine, smallestCosine)); // fig 5.4
+    reflect(step, path, normal, ray.origin + (hit.t - back) * ray.direction, matter.reflectance);
 }
 
 bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
@@ -182,14 +205,14 @@ bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
         path.flux = through / chance;
     else if (chance > 0.0F)
         path.flux = (path.flux - through) / (1.0F - chance);
-    bookLoss(step.result.counts.absorbedFlux, before, path.flux);
+    bookLoss(step.result->counts.absorbedFlux, before, path.flux);
     return passed;
 }
 
 void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t) const {
     ++path.crossings;
     Ray next = ray;
-    next.tMin = t + lights::surfaceOffset(std::max(reach_, maxChannel(glm::abs(ray.origin))));
+    next.tMin = t + offsetAt(ray.origin);
     if (!(next.tMin > t)) next.tMin = std::nextafter(t, std::numeric_limits<float>::infinity());
     step.nextRays.push_back(next);
     step.nextPaths.push_back(path);
@@ -197,8 +220,8 @@ void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t) const {
 
 void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin,
                         const Rgb& reflectance) const {
-    TraceCounts& counts = step.result.counts;
-    const Rgb reflected = path.flux * glm::clamp(reflectance, 0.0F, 1.0F);
+    TraceCounts& counts = step.result->counts;
+    const Rgb reflected = path.flux * reflectance;
     const float largest = maxChannel(glm::abs(reflected));
     if (!(largest > 0.0F)) {
         ++counts.absorbed;

@@ -6,6 +6,24 @@
 
 namespace pie::photons {
 
+/// What the tracer asks about a hit, packed: a hit costs one cache line of faces, and all materials stay in the cache.
+struct Surroundings {
+    struct Face {
+        Vec3 normal{0.0F};
+        std::uint32_t material = 0;
+    };
+    struct Matter {
+        Rgb reflectance{0.0F}; ///< 0 to 1
+        scene::Interaction interaction = scene::Interaction::Opaque;
+        bool twoSided = false;
+    };
+    explicit Surroundings(const scene::Scene& scene);
+
+    std::vector<Face> faces;
+    std::vector<Matter> matter;
+    float reach = 0; ///< largest coordinate of the scene
+};
+
 struct WavefrontResult {
     std::vector<Photon> photons;      ///< in the order of tracing: step by step
     std::vector<std::uint32_t> owner; ///< index of each, from the chunk's first
@@ -20,7 +38,8 @@ class Wavefront {
 public:
     /// `total`: photons of the whole frame, by which flux is divided.
     Wavefront(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
-              const TracerOptions& options, const sampling::Halton& halton, float reach, std::uint64_t total);
+              const TracerOptions& options, const sampling::Halton& halton, const Surroundings& surroundings,
+              std::uint64_t total);
     void run(std::uint64_t first, std::size_t count, WavefrontResult& result) const;
     /// Paths an index can branch into.
     [[nodiscard]] std::size_t widest() const { return branches_.empty() ? 1 : branches_.back().paths; }
@@ -41,7 +60,8 @@ private:
     };
 
     void emit(Step& step, std::uint64_t first, std::size_t count) const;
-    void meet(Step& step, const Path& path, const intersect::Ray& ray, const intersect::Hit& hit) const;
+    [[nodiscard]] float offsetAt(const Vec3& origin) const;
+    void meet(Step& step, Path& path, const intersect::Ray& ray, const intersect::Hit& hit) const;
     [[nodiscard]] bool passes(Step& step, Path& path, const intersect::Hit& hit) const;
     void goOn(Step& step, Path path, const intersect::Ray& ray, float t) const;
     void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance) const;
@@ -52,7 +72,7 @@ private:
     const intersect::Intersector& intersector_;
     const TracerOptions& options_;
     const sampling::Halton& halton_;
-    float reach_;
+    const Surroundings& surroundings_;
     float perPhoton_; ///< one over the photons of the frame
     std::vector<Branching> branches_;
 };

@@ -1,7 +1,9 @@
 #include "pie/sampling/directions.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -10,6 +12,12 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr float belowOne = 0x1.fffffep-1F;
+
+/// Without a branch: which of the two is wanted is a coin toss here, and a wrong guess costs more than all the rest.
+float choose(bool first, float a, float b) {
+    const std::uint32_t mask = first ? ~0U : 0U;
+    return std::bit_cast<float>((std::bit_cast<std::uint32_t>(a) & mask) | (std::bit_cast<std::uint32_t>(b) & ~mask));
+}
 
 struct SinCos {
     float sine, cosine;
@@ -28,14 +36,14 @@ SinCos sinCosQuarter(float x) {
 /// Of the angle 2 pi u, 0 <= u < 1.
 SinCos sinCosTurn(float u) {
     const float quarters = u * 4.0F;
-    const auto quadrant = static_cast<int>(quarters + 0.5F);
+    const auto quadrant = static_cast<std::uint32_t>(quarters + 0.5F);
     const SinCos s = sinCosQuarter((quarters - static_cast<float>(quadrant)) * (0.5F * pi));
-    switch (quadrant & 3) {
-    case 0: return s;
-    case 1: return {s.cosine, -s.sine};
-    case 2: return {-s.sine, -s.cosine};
-    default: return {-s.cosine, s.sine};
-    }
+    const bool odd = (quadrant & 1U) != 0;
+    const auto negated = [](float x, std::uint32_t if1) {
+        return std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) ^ (if1 << 31U));
+    };
+    return {negated(choose(odd, s.cosine, s.sine), quadrant >> 1U & 1U),
+            negated(choose(odd, s.sine, s.cosine), (quadrant + 1) >> 1U & 1U)};
 }
 
 float clampToUnit(float u) { return std::clamp(u, 0.0F, belowOne); }
@@ -97,13 +105,14 @@ Vec2 invertUniformCone(const Vec3& direction, float cosMax) {
 
 Vec2 concentricDisc(const Vec2& u) {
     const Vec2 s = 2.0F * u - 1.0F;
-    if (s.x == 0.0F && s.y == 0.0F) return Vec2(0.0F);
-    if (std::abs(s.x) > std::abs(s.y)) {
-        const SinCos t = sinCosQuarter(0.25F * pi * (s.y / s.x));
-        return {s.x * t.cosine, s.x * t.sine};
-    }
-    const SinCos t = sinCosQuarter(0.25F * pi * (s.x / s.y));
-    return {s.y * t.sine, s.y * t.cosine};
+    const bool wide = std::abs(s.x) > std::abs(s.y);
+    const float radius = choose(wide, s.x, s.y);
+    const float across = choose(wide, s.y, s.x);
+    // In the centre both are 0: any divisor will do.
+    const SinCos t = sinCosQuarter(0.25F * pi * (across / choose(radius != 0.0F, radius, 1.0F)));
+    const float along = radius * t.cosine;
+    const float aside = radius * t.sine;
+    return {choose(wide, along, aside), choose(wide, aside, along)};
 }
 float concentricDiscPdf() { return 1.0F / pi; }
 Vec2 invertConcentricDisc(const Vec2& point) {
@@ -120,7 +129,10 @@ Vec2 invertConcentricDisc(const Vec2& point) {
 }
 
 Vec2 uniformTriangle(const Vec2& u) {
-    return u.y > u.x ? Vec2(0.5F * u.x, u.y - 0.5F * u.x) : Vec2(u.x - 0.5F * u.y, 0.5F * u.y);
+    const float half = 0.5F * std::min(u.x, u.y);
+    const float rest = std::max(u.x, u.y) - half;
+    const bool upper = u.y > u.x;
+    return {choose(upper, half, rest), choose(upper, rest, half)};
 }
 Vec2 invertUniformTriangle(const Vec2& weights) {
     const float sum = weights.x + weights.y;

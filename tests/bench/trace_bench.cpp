@@ -1,0 +1,214 @@
+// Photons traced against the bare cost of their rays, in one run and one thread: the tracer traces a frame of a shipped
+// level, its rays are recorded, and the same rays go through Embree 3 alone (default scene, default build, no hits
+// looked at), one by one and in packets of 16 in the order the tracer made them. Rounds alternate; ratios are of
+// medians of processor time: 1 would be a tracer that costs nothing besides its rays. What the intersector needs for
+// the same rays in the same batches is timed too, and says how the rest splits.
+//
+//   trace_bench [photons] [rounds] [level …]       prints one line of JSON per level
+
+#include "pie/core/parallel.h"
+#include "pie/lights/import.h"
+#include "pie/photons/tracer.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using pie::intersect::Hit;
+using pie::intersect::Ray;
+
+/// Processor time, so that what else runs on the machine counts less.
+double seconds(const std::function<void()>& work) {
+    const auto now = [] {
+        timespec time{};
+        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    };
+    const double begin = now();
+    work();
+    return now() - begin;
+}
+
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+/// Keeps the rays of every batch it passes on.
+class Recorder final : public pie::intersect::Intersector {
+public:
+    explicit Recorder(const Intersector& inner) : inner_(inner) {}
+    void closest(std::span<const Ray> rays, std::span<Hit> hits) const override {
+        batches.emplace_back(rays.begin(), rays.end());
+        inner_.closest(rays, hits);
+    }
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override {
+        inner_.occluded(rays, blocked);
+    }
+    [[nodiscard]] std::string_view name() const override { return "recorder"; }
+    [[nodiscard]] std::size_t bytes() const override { return 0; }
+
+    mutable std::vector<std::vector<Ray>> batches;
+
+private:
+    const Intersector& inner_;
+};
+
+/// Embree as its manual shows it.
+class BareEmbree {
+public:
+    explicit BareEmbree(const pie::scene::Scene& scene)
+        : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), scene.positions.size()));
+        for (std::size_t i = 0; i < scene.positions.size(); ++i)
+            for (int c = 0; c < 3; ++c) vertices[3 * i + static_cast<std::size_t>(c)] = scene.positions[i][c];
+        auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), scene.triangles.size()));
+        for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+            std::copy(scene.triangles[i].vertices.begin(), scene.triangles[i].vertices.end(), indices + 3 * i);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene_, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene_);
+    }
+    BareEmbree(const BareEmbree&) = delete;
+    BareEmbree& operator=(const BareEmbree&) = delete;
+    ~BareEmbree() {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+
+    [[nodiscard]] std::size_t single(std::span<const Ray> rays) const {
+        std::size_t hits = 0;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (const Ray& ray : rays) {
+            RTCRayHit query;
+            query.ray = {ray.origin.x,
+                         ray.origin.y,
+                         ray.origin.z,
+                         ray.tMin,
+                         ray.direction.x,
+                         ray.direction.y,
+                         ray.direction.z,
+                         0.0F,
+                         ray.tMax,
+                         0xffffffffU,
+                         0,
+                         0};
+            query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(scene_, &context, &query);
+            hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+        }
+        return hits;
+    }
+    [[nodiscard]] std::size_t packets(std::span<const Ray> rays) const {
+        std::size_t hits = 0;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (std::size_t first = 0; first < rays.size(); first += 16) {
+            const std::size_t count = std::min<std::size_t>(16, rays.size() - first);
+            alignas(64) int valid[16]{};
+            RTCRayHit16 query{};
+            for (std::size_t i = 0; i < count; ++i) {
+                const Ray& ray = rays[first + i];
+                valid[i] = -1;
+                query.ray.org_x[i] = ray.origin.x;
+                query.ray.org_y[i] = ray.origin.y;
+                query.ray.org_z[i] = ray.origin.z;
+                query.ray.dir_x[i] = ray.direction.x;
+                query.ray.dir_y[i] = ray.direction.y;
+                query.ray.dir_z[i] = ray.direction.z;
+                query.ray.tnear[i] = ray.tMin;
+                query.ray.tfar[i] = ray.tMax;
+                query.ray.mask[i] = 0xffffffffU;
+                query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+                query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+            }
+            rtcIntersect16(valid, scene_, &context, &query);
+            for (std::size_t i = 0; i < count; ++i) hits += query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+        }
+        return hits;
+    }
+
+private:
+    RTCDevice device_;
+    RTCScene scene_;
+};
+
+struct Times {
+    std::vector<double> tracer, intersector, single, packets;
+};
+
+bool benchmark(const std::string& name, std::uint64_t photons, std::size_t rounds) {
+    auto location = pie::level::locate(name, "/usr/share/games/openarena/baseoa");
+    if (!location) return fmt::print(stderr, "{}\n", location.error().message()), false;
+    const auto level = pie::level::loadLevel(*std::move(location));
+    if (!level) return fmt::print(stderr, "{}\n", level.error().message()), false;
+    const auto scene = std::make_shared<pie::scene::Scene>(pie::scene::makeScene(*level));
+    const pie::lights::LightSet lights(pie::lights::importLights(*level, *scene).lights, scene);
+    const auto embree = makeIntersector(pie::intersect::Kind::Embree, *scene, level->tree);
+    const BareEmbree bare(*scene);
+    const pie::photons::TracerOptions options;
+    const pie::photons::PhotonTracer tracer(*scene, lights, *embree, options);
+
+    std::vector<pie::photons::Photon> stored;
+    const Recorder recorder(*embree);
+    const pie::photons::TraceCounts counts =
+        pie::photons::PhotonTracer(*scene, lights, recorder, options).trace(0, photons, stored);
+    std::vector<Ray> rays;
+    for (const auto& batch : recorder.batches) rays.insert(rays.end(), batch.begin(), batch.end());
+    std::vector<Hit> hits(rays.size());
+
+    Times times;
+    std::size_t sink = 0;
+    for (std::size_t round = 0; round < rounds; ++round) {
+        times.tracer.push_back(seconds([&] {
+            stored.clear();
+            tracer.trace(0, photons, stored);
+        }));
+        times.single.push_back(seconds([&] { sink += bare.single(rays); }));
+        times.packets.push_back(seconds([&] { sink += bare.packets(rays); }));
+        times.intersector.push_back(seconds([&] {
+            for (const auto& batch : recorder.batches) embree->closest(batch, std::span(hits).first(batch.size()));
+        }));
+    }
+    const auto count = static_cast<double>(rays.size());
+    const double own = median(times.tracer);
+    fmt::print(
+        "{{\"level\": \"{}\", \"triangles\": {}, \"lights\": {}, \"photonsEmitted\": {}, \"photonsStored\": {}, "
+        "\"rays\": {}, \"rounds\": {}, \"photonsStoredPerSecond\": {:.0f}, \"nanosecondsPerRay\": {{\"tracer\": "
+        "{:.1f}, "
+        "\"intersector\": {:.1f}, \"bareSingle\": {:.1f}, \"barePackets\": {:.1f}}}, \"ratioToBareSingle\": {:.3f}, "
+        "\"ratioToFasterBare\": {:.3f}}}\n",
+        name, scene->triangles.size(), lights.lights().size(), photons, counts.stored, rays.size(), rounds,
+        static_cast<double>(counts.stored) / own, 1e9 * own / count, 1e9 * median(times.intersector) / count,
+        1e9 * median(times.single) / count, 1e9 * median(times.packets) / count, median(times.single) / own,
+        std::min(median(times.single), median(times.packets)) / own);
+    return sink > 0;
+}
+
+} // namespace
+
+int main(int argumentCount, char** arguments) {
+    const std::uint64_t photons = argumentCount > 1 ? std::strtoull(arguments[1], nullptr, 10) : 100'000;
+    const std::size_t rounds =
+        std::max<std::size_t>(1, argumentCount > 2 ? std::strtoull(arguments[2], nullptr, 10) : 11);
+    std::vector<std::string> levels(arguments + std::min(argumentCount, 3), arguments + argumentCount);
+    if (levels.empty()) levels = {"ctf_inyard", "kaos2"};
+    pie::setThreads(1);
+    bool good = true;
+    for (const std::string& level : levels) good = benchmark(level, photons, rounds) && good;
+    return good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
