@@ -91,40 +91,53 @@ const LightSet::Entry& LightSet::choose(float u) const {
     return entries_[i];
 }
 
-Emission LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u) const {
-    Emission result;
+void LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u, Emission& out) const {
     if (entry.part == Part::Triangle) {
         const Triangle& triangle = triangles_[entry.number];
         const Vec2 weights = sampling::uniformTriangle({u[2], u[3]});
-        result.origin = triangle.corner + weights.x * triangle.side1 + weights.y * triangle.side2;
-        result.direction = Frame(triangle.normal).toWorld(sampling::cosineHemisphere({u[0], u[1]}));
-        result.flux = triangle.flux;
-        return result;
+        out.origin = triangle.corner + weights.x * triangle.side1 + weights.y * triangle.side2;
+        out.direction = Frame(triangle.normal).toWorld(sampling::cosineHemisphere({u[0], u[1]}));
+        out.flux = triangle.flux;
+        out.falloff = nullptr;
+        out.rimRate = std::numeric_limits<float>::infinity();
+        return;
     }
     if (entry.part == Part::Direction) {
         const auto& sky = std::get<SkyLight>(lights_[entry.light]);
-        result = detail::emitParallel(sky.towards[entry.number], sky.irradiance, *scene_, portals_, {u[2], u[3]});
+        out = detail::emitParallel(sky.towards[entry.number], sky.irradiance, *scene_, portals_, {u[2], u[3]});
     } else {
-        result = lights::emit(lights_[entry.light], *scene_, portals_, u);
+        out = lights::emit(lights_[entry.light], *scene_, portals_, u);
     }
-    result.flux = detail::scaled(result.flux, entry.scale);
-    return result;
+    out.flux = detail::scaled(out.flux, entry.scale);
 }
 
 Emission LightSet::emit(const sampling::Halton& halton, std::uint64_t index, std::uint32_t* light) const {
     const Entry& entry = choose(halton(index, 0));
     if (light != nullptr) *light = entry.light;
-    return emitFrom(entry, {halton(index, 1), halton(index, 2), halton(index, 3), halton(index, 4)});
+    Emission result;
+    emitFrom(entry, {halton(index, 1), halton(index, 2), halton(index, 3), halton(index, 4)}, result);
+    return result;
 }
 
 void LightSet::emit(const sampling::Halton& halton, std::uint64_t first, std::span<Emission> out) const {
     constexpr std::size_t block = 256;
     std::array<std::array<float, block>, dimensions> u;
+    std::array<const Entry*, block> chosen;
     for (std::size_t done = 0; done < out.size(); done += block) {
         const std::size_t count = std::min(block, out.size() - done);
         for (unsigned d = 0; d < dimensions; ++d) halton.fill(first + done, d, std::span(u[d]).first(count));
+        // Choices first: with thousands of lights what they lead to is not in the cache, and comes while others are
+        // chosen.
+        for (std::size_t i = 0; i < count; ++i) {
+            chosen[i] = &choose(u[0][i]);
+            if (chosen[i]->part == Part::Triangle) {
+                const auto* triangle = reinterpret_cast<const char*>(&triangles_[chosen[i]->number]);
+                __builtin_prefetch(triangle);
+                __builtin_prefetch(triangle + sizeof(Triangle) - 1);
+            }
+        }
         for (std::size_t i = 0; i < count; ++i)
-            out[done + i] = emitFrom(choose(u[0][i]), {u[1][i], u[2][i], u[3][i], u[4][i]});
+            emitFrom(*chosen[i], {u[1][i], u[2][i], u[3][i], u[4][i]}, out[done + i]);
     }
 }
 

@@ -57,7 +57,7 @@ private:
     void addPolygon(std::uint32_t light, const AreaLight& polygon);
     void add(const Entry& entry, const Rgb& watts);
     void finish();
-    [[nodiscard]] Emission emitFrom(const Entry& entry, const std::array<float, 4>& u) const;
+    void emitFrom(const Entry& entry, const std::array<float, 4>& u, Emission& out) const;
     [[nodiscard]] const Entry& choose(float u) const;
 
     std::vector<Light> lights_;

@@ -7,9 +7,10 @@
 namespace pie::photons {
 namespace {
 
-constexpr std::size_t chunkPaths =
-    2048; // paths that advance together: rays, hits and states stay in the second-level cache
-constexpr std::size_t chunksAtOnce = 128; // bounds what is held besides `out`
+// Paths that advance together: their rays, hits and states stay in the second-level cache.
+constexpr std::size_t chunkPaths = 2048;
+// Chunks that are held before they are joined: enough for all threads, and few enough that their memory is used again.
+std::size_t chunksAtOnce() { return std::max<std::size_t>(16, 8 * std::size_t{threads()}); }
 
 void add(double (&sum)[3], const double (&terms)[3]) {
     for (int i = 0; i < 3; ++i) sum[i] += terms[i];
@@ -44,9 +45,11 @@ TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::v
     const Wavefront wavefront(scene_, lights_, intersector_, options_, halton_, *surroundings_, count);
     const std::size_t grain = std::max<std::size_t>(1, chunkPaths * 16 / std::max<std::size_t>(16, wavefront.widest()));
     const std::size_t firstStored = out.size();
-    for (std::uint64_t done = 0; done < count; done += grain * chunksAtOnce) {
-        const auto batch = static_cast<std::size_t>(std::min<std::uint64_t>(count - done, grain * chunksAtOnce));
-        std::vector<WavefrontResult> results((batch - 1) / grain + 1);
+    const std::size_t atOnce = grain * chunksAtOnce();
+    std::vector<WavefrontResult> results;
+    for (std::uint64_t done = 0; done < count; done += atOnce) {
+        const auto batch = static_cast<std::size_t>(std::min<std::uint64_t>(count - done, atOnce));
+        results.resize((batch - 1) / grain + 1);
         parallelChunks(batch, grain, [&](std::size_t begin, std::size_t end) {
             wavefront.run(first + done + begin, end - begin, results[begin / grain]);
         });

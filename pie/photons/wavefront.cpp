@@ -95,6 +95,9 @@ void Wavefront::run(std::uint64_t first, std::size_t count, WavefrontResult& res
     step.result = &result;
     step.first = first;
     result.indices = count;
+    result.counts = {};
+    result.photons.clear();
+    result.owner.clear();
     result.photons.reserve(count);
     result.owner.reserve(count);
     emit(step, first, count);
