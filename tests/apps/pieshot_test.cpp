@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -81,7 +82,7 @@ protected:
     static void expectWalls(const Picture& picture, double factor, int tolerance) {
         const auto scaled = [&](std::size_t wall) {
             Colour c = colours.at(wall);
-            for (int& channel : c) channel = static_cast<int>(channel * factor + 0.5);
+            for (int& channel : c) channel = static_cast<int>(std::lround(channel * factor));
             return c;
         };
         expectColour(at(picture, 0.05, 0.5), scaled(0), tolerance, "left: the -x wall");
