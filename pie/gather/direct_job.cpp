@@ -96,7 +96,8 @@ void DirectJob::refineSoft(RayBatch& batch) {
         const Tested& tested = tested_[i];
         const unsigned most = context_.sources[tested.source].samples;
         if (most <= 1 || tested.contributions == 0) continue;
-        const double wanted = std::ceil(std::abs(mean(glm::dvec3(tested.unoccluded))) / finest);
+        const double wanted = std::ceil(mean(glm::abs(glm::dvec3(tested.unoccluded))) / finest);
+        if (!(wanted > 1)) continue;
         const auto samples = static_cast<unsigned>(std::min(wanted, static_cast<double>(most)));
         if (samples > tested.samples) ask(i, samples - tested.samples, batch);
     }
@@ -112,18 +113,21 @@ void DirectJob::drawTail(RayBatch& batch) {
     });
     const unsigned draws = context_.options.tailSamples;
     const double step = total / draws;
-    double target = step * static_cast<double>(hash(0));
+    const double first = step * static_cast<double>(hash(0));
     double sum = 0;
+    unsigned draw = 0; // the next one is at first + draw · step
     for (const Bounded& waiting : waiting_) {
         sum += static_cast<double>(waiting.bound);
         unsigned times = 0;
-        for (; target < sum; target += step) ++times;
-        if (times > 0)
-            test(waiting.source, static_cast<float>(times * step / static_cast<double>(waiting.bound)), times, batch);
+        while (draw < draws && first + draw * step < sum) {
+            ++times;
+            ++draw;
+        }
+        if (times > 0) test(waiting.source, times * step / static_cast<double>(waiting.bound), times, batch);
     }
 }
 
-void DirectJob::test(std::uint32_t source, float weight, unsigned samples, RayBatch& batch) {
+void DirectJob::test(std::uint32_t source, double weight, unsigned samples, RayBatch& batch) {
     Tested tested;
     tested.source = source;
     tested.weight = weight;

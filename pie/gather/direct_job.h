@@ -35,12 +35,11 @@ private:
         std::uint32_t source = 0;
         unsigned samples = 0; ///< taken so far
         Rgb unoccluded{0.0F};
-        float weight = 1;         ///< of the tail: 1 / expected number of draws
+        double weight = 1;        ///< of the tail: 1 / expected number of draws
         glm::dvec3 through{0};    ///< Σ c V
         double contributions = 0; ///< Σ c
         [[nodiscard]] glm::dvec3 seen() const {
-            return contributions > 0 ? static_cast<double>(weight) * glm::dvec3(unoccluded) * through / contributions
-                                     : glm::dvec3(0);
+            return contributions > 0 ? weight * glm::dvec3(unoccluded) * through / contributions : glm::dvec3(0);
         }
     };
     struct Asked {
@@ -60,7 +59,7 @@ private:
     void takeHead(RayBatch& batch);
     void refineSoft(RayBatch& batch);
     void drawTail(RayBatch& batch);
-    void test(std::uint32_t source, float weight, unsigned samples, RayBatch& batch);
+    void test(std::uint32_t source, double weight, unsigned samples, RayBatch& batch);
     void ask(std::uint32_t tested, unsigned samples, RayBatch& batch);
     [[nodiscard]] double tailAllowed(double seen) const;
     [[nodiscard]] double seen() const;

@@ -22,7 +22,8 @@ INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(kernels),
 TEST_P(Kernels, FallFromTheCentreToTheBorder) {
     const Kernel kernel = GetParam();
     EXPECT_NEAR(value(kernel, 0), kernel == Kernel::Gaussian ? 0.918 : 1.0, 1e-12);
-    for (double t = 0; t < 0.99; t += 0.01) {
+    for (int i = 0; i < 99; ++i) {
+        const double t = 0.01 * i;
         EXPECT_GE(value(kernel, t), value(kernel, t + 0.01));
         EXPECT_GE(value(kernel, t + 0.01), 0);
     }
