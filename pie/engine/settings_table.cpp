@@ -50,7 +50,8 @@ constexpr std::array table{
     Row{"exposure", "View", &Settings::exposure, 0, 1000, "", "Factor on light before display. 1 is the game's scale.",
         ""},
     Row{"overbright_clamp", "View", &Settings::overbrightClamp, 1, 16, "texture multiples",
-        "Light beyond this multiple of the plain texture is cut with its hue kept: 1 as the game in a window, 2 as with "
+        "Light beyond this multiple of the plain texture is cut with its hue kept: 1 as the game in a window, 2 as "
+        "with "
         "hardware gamma (full screen on old systems).",
         ""},
     Row{"blending", "View", choice<&Settings::blending>(blendingNames), 0, 0, "",
@@ -204,13 +205,16 @@ constexpr std::array table{
     Row{"config", "Files and run", Path{&Settings::config, false}, 0, 0, "",
         "TOML file with settings, one `key = value` a line. Option strings and command lines win over it.", ""},
     Row{"settle", "Files and run", &Settings::settle, 0, 0, "",
-        "Trace all photons and light every vertex while loading, and leave no callbacks behind: for converters (osgconv) "
+        "Trace all photons and light every vertex while loading, and leave no callbacks behind: for converters "
+        "(osgconv) "
         "and programs that never run an update. Loading takes seconds longer; the light stays as it is.",
         ""},
     Row{"threads", "Files and run", &Settings::threads, 0, 1024, "threads",
         "0: one per core. Changes the time, never the picture.", ""},
     Row{"stats", "Files and run", &Settings::stats, 0, 0, "",
-        "Keep what was counted and how long each stage took, as JSON in the user value pie.statistics of the level's node.", ""},
+        "Keep what was counted and how long each stage took, as JSON in the user value pie.statistics of the level's "
+        "node.",
+        ""},
 };
 // clang-format on
 
