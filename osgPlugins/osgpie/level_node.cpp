@@ -35,7 +35,7 @@ public:
         const pie::scene::CellNode cells =
             pie::scene::makeCells(mesh_, level_, static_cast<std::size_t>(settings.cellTriangles));
         if (const osg::ref_ptr<osg::Node> world = makeNode(cells, "world")) root->addChild(world);
-        if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level_, states_, settings.overbrightClamp))
+        if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level_, states_, largestLight(settings)))
             root->addChild(sprites);
         if (const osg::ref_ptr<osg::Node> sky = states_.makeSky()) root->addChild(sky);
         if (showsOurLight()) root->addUpdateCallback(new AdvanceCallback(engine_));
@@ -114,7 +114,7 @@ private:
         geometry->setVertexArray(positions);
         geometry->setNormalArray(normals);
         geometry->setTexCoordArray(0, texture);
-        if (entry.light == LightSource::Lightmap) geometry->setTexCoordArray(1, lightmap);
+        if (entry.lightmapCoordinates) geometry->setTexCoordArray(1, lightmap);
         geometry->setColorArray(colours);
         geometry->addPrimitiveSet(indices);
         geometry->setStateSet(entry.state);
@@ -127,7 +127,7 @@ private:
     /// Vertex colours before any light: the level's own, or none.
     [[nodiscard]] osg::Vec4 vertexColour(const pie::level::Vertex& vertex, LightSource source) const {
         const float alpha = static_cast<float>(vertex.colour.a) / 255.0F;
-        const float overbright = engine_->settings().overbrightClamp;
+        const float overbright = largestLight(engine_->settings());
         if (source == LightSource::Irradiance || source == LightSource::None) return {1.0F, 1.0F, 1.0F, alpha};
         const pie::Rgb light = gameLight(pie::Rgb(vertex.colour.r, vertex.colour.g, vertex.colour.b), overbright);
         return {light.x, light.y, light.z, alpha};
@@ -157,7 +157,7 @@ private:
         if (used.empty() || !complete) return;
         // 64 U show the texture as it is (LEVELS in doc/manual.md).
         const auto& settings = engine_->settings();
-        const float scale = settings.exposure / (64.0F * settings.overbrightClamp);
+        const float scale = settings.exposure / (64.0F * largestLight(settings));
         // A buffer of its own: only the colours are sent again when the light changes.
         osg::ref_ptr buffer = new osg::VertexBufferObject;
         buffer->setUsage(GL_DYNAMIC_DRAW);

@@ -53,11 +53,12 @@ float wave(int form, float base, float amplitude, float phase, float frequency) 
 }
 )";
 
-bool usesLight(const Stage& stage) {
-    return stage.source == Stage::Source::Lightmap || stage.rgbGen == RgbGen::Vertex ||
-           stage.rgbGen == RgbGen::ExactVertex || stage.rgbGen == RgbGen::OneMinusVertex ||
-           stage.rgbGen == RgbGen::LightingDiffuse;
+bool usesVertexLight(const Stage& stage) {
+    return stage.rgbGen == RgbGen::Vertex || stage.rgbGen == RgbGen::ExactVertex ||
+           stage.rgbGen == RgbGen::OneMinusVertex || stage.rgbGen == RgbGen::LightingDiffuse;
 }
+
+bool usesLight(const Stage& stage) { return stage.source == Stage::Source::Lightmap || usesVertexLight(stage); }
 
 /// Texture coordinates of a stage from those of the picture and of the lightmap (tcGen, then tcMods in order, as the
 /// game applies them).
@@ -267,6 +268,14 @@ private:
         for (const Stage& stage : shader_.stages)
             if (stages_.size() < mostStages) stages_.push_back(&stage);
         out_.lit = anyLit();
+        out_.vertexLit = std::any_of(stages_.begin(), stages_.end(), [&](const Stage* s) {
+            return look_.light == LightSource::Irradiance ? usesLight(*s)
+                                                          : look_.light != LightSource::None && usesVertexLight(*s);
+        });
+        out_.lightmapCoordinates = std::any_of(stages_.begin(), stages_.end(), [&](const Stage* s) {
+            return s->tcGen == TcGen::Lightmap ||
+                   (s->source == Stage::Source::Lightmap && look_.light == LightSource::Lightmap);
+        });
         // The light alone is asked for: surfaces that only glow or tint show none.
         if (!look_.textures && !stages_.empty() && !stages_.front()->blend.opaque()) stages_.clear();
     }

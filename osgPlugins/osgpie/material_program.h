@@ -41,9 +41,11 @@ struct UnitTexture {
 
 struct MaterialProgram {
     std::string vertexSource, fragmentSource;
-    std::vector<UnitTexture> units; ///< units[0] is the picture of the surface, also for fixed-function rendering
-    bool visible = true;            ///< false: nothing to draw in this look
-    bool lit = false;               ///< some stage shows light
+    std::vector<UnitTexture> units;   ///< units[0] is the picture of the surface, also for fixed-function rendering
+    bool visible = true;              ///< false: nothing to draw in this look
+    bool lit = false;                 ///< some stage shows light
+    bool vertexLit = false;           ///< light comes with the vertices (Irradiance, or rgbGen vertex)
+    bool lightmapCoordinates = false; ///< the lightmap's texture coordinates are read
     bool alphaTested = false;
     bool blended = false;
     pie::level::Blend blend; ///< when blended

@@ -6,7 +6,6 @@
 #include <osg/Depth>
 #include <osg/NodeVisitor>
 #include <osg/PolygonOffset>
-#include <osg/TexEnv>
 #include <osg/TexEnvCombine>
 #include <osg/Uniform>
 
@@ -97,6 +96,12 @@ pie::Rgb gameLight(const pie::Rgb& bytes, float overbright) {
     return light / overbright;
 }
 
+float largestLight(const pie::engine::Settings& settings) {
+    if (settings.renderer == pie::engine::Renderer::Glsl || settings.overbrightClamp <= 1)
+        return settings.overbrightClamp;
+    return settings.overbrightClamp <= 2 ? 2.0F : 4.0F;
+}
+
 StateSets::StateSets(std::shared_ptr<const Level> level, const pie::engine::Settings& settings)
     : level_(std::move(level)), settings_(settings), white_(makePlain({255, 255, 255, 255})),
       missing_(makePlain({128, 128, 128, 255})) {}
@@ -106,7 +111,8 @@ const StateSets::Entry& StateSets::get(const StateKey& key) {
     if (isNew) {
         const Look chosen = look(key);
         const MaterialProgram material = makeMaterialProgram(level_->shaders[key.shader], chosen);
-        place->second = {material.visible ? makeState(key, material) : nullptr, material.lit, chosen.light};
+        place->second = {material.visible ? makeState(key, material) : nullptr, material.lit,
+                         material.lightmapCoordinates, chosen.light};
     }
     return place->second;
 }
@@ -120,7 +126,7 @@ Look StateSets::look(const StateKey& key) const {
     case View::Fullbright: look.light = LightSource::None; break;
     }
     look.textures = settings_.view != View::Light;
-    look.overbright = settings_.overbrightClamp;
+    look.overbright = largestLight(settings_);
     look.addSigned = settings_.blending == pie::engine::Blending::AddSigned;
     look.linear = settings_.colorSpace == pie::engine::ColorSpace::Srgb;
     look.animate = settings_.animate;
@@ -154,9 +160,10 @@ osg::ref_ptr<osg::Texture2D> StateSets::lightmap(std::int32_t index) {
     const std::size_t texels = static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.height);
     for (std::size_t i = 0; i < texels; ++i) {
         const pie::Rgb bytes(source.rgb[3 * i], source.rgb[3 * i + 1], source.rgb[3 * i + 2]);
-        const pie::Rgb light = gameLight(bytes, settings_.overbrightClamp) * 255.0F;
+        const pie::Rgb light = gameLight(bytes, largestLight(settings_)) * 255.0F;
+        constexpr float rounding = 1e-3F; // the game shifts integers: 4 · byte comes out whole
         for (int c = 0; c < 3; ++c)
-            image->data()[3 * i + static_cast<std::size_t>(c)] = static_cast<unsigned char>(light[c]);
+            image->data()[3 * i + static_cast<std::size_t>(c)] = static_cast<unsigned char>(light[c] + rounding);
     }
     return slot = makeTexture(image, true, false);
 }
@@ -206,7 +213,7 @@ osg::ref_ptr<osg::StateSet> StateSets::makeState(const StateKey& key, const Mate
         }
     }
     if (glsl) state->setAttributeAndModes(program(material, shader.name));
-    addFixedFunction(*state, material);
+    addFixedFunction(*state, key, material);
     if (glsl && key.fog >= 0) {
         const pie::level::FogVolume& fog = level_->fogs[static_cast<std::size_t>(key.fog)];
         const pie::Rgb colour = fog.keys.colour;
@@ -226,27 +233,48 @@ osg::ref_ptr<osg::StateSet> StateSets::makeState(const StateKey& key, const Mate
         state->setAttributeAndModes(
             new osg::CullFace(shader.cull == pie::level::Cull::Back ? osg::CullFace::FRONT : osg::CullFace::BACK));
     if (shader.polygonOffset) state->setAttributeAndModes(new osg::PolygonOffset(-1.0F, -2.0F));
-    if (material.blended)
-        state->setAttributeAndModes(
-            new osg::BlendFunc(glFactor(material.blend.source), glFactor(material.blend.destination)));
+    if (material.blended) {
+        // A blend function that stands for several stages fits only what the program makes of them.
+        const auto blend = glsl ? material.blend : shader.stages.front().blend;
+        state->setAttributeAndModes(new osg::BlendFunc(glFactor(blend.source), glFactor(blend.destination)));
+    }
     if (!material.depthWrite) state->setAttributeAndModes(new osg::Depth(osg::Depth::LEQUAL, 0.0, 1.0, false));
     if (material.bin != 0) state->setRenderBinDetails(material.bin, material.blended ? "DepthSortedBin" : "RenderBin");
     return state;
 }
 
-/// What shows where programs are not to be had: picture × light, cut per channel.
-void StateSets::addFixedFunction(osg::StateSet& state, const MaterialProgram& material) const {
-    const bool doubled = settings_.overbrightClamp > 1.0F && material.lit;
-    osg::ref_ptr environment = new osg::TexEnvCombine;
-    environment->setCombine_RGB(osg::TexEnvCombine::MODULATE);
-    environment->setCombine_Alpha(osg::TexEnvCombine::REPLACE);
-    environment->setSource0_Alpha(osg::TexEnvCombine::TEXTURE);
-    environment->setScale_RGB(doubled ? 2.0F : 1.0F);
-    state.setTextureAttribute(0, environment);
-    if (material.units.size() > 1 && material.units[1].source == Stage::Source::Lightmap)
-        state.setTextureAttribute(1, new osg::TexEnv(osg::TexEnv::MODULATE));
-    if (material.alphaTested && settings_.renderer == pie::engine::Renderer::Fixed)
-        state.setAttributeAndModes(new osg::AlphaFunc(osg::AlphaFunc::GEQUAL, 0.5F));
+/// What shows where programs are not to be had: picture × light of the vertices or the lightmap, cut per channel.
+void StateSets::addFixedFunction(osg::StateSet& state, const StateKey& key, const MaterialProgram& material) const {
+    const bool lightmap = material.units.size() > 1 && material.units[1].source == Stage::Source::Lightmap;
+    const bool picture = settings_.view != View::Light;
+    const bool vertices = material.vertexLit && !lightmap;
+    osg::ref_ptr first = new osg::TexEnvCombine;
+    first->setCombine_RGB(vertices && picture ? osg::TexEnvCombine::MODULATE : osg::TexEnvCombine::REPLACE);
+    first->setSource0_RGB(picture ? osg::TexEnvCombine::TEXTURE : osg::TexEnvCombine::PRIMARY_COLOR);
+    first->setSource1_RGB(osg::TexEnvCombine::PRIMARY_COLOR);
+    first->setCombine_Alpha(osg::TexEnvCombine::REPLACE);
+    first->setSource0_Alpha(osg::TexEnvCombine::TEXTURE);
+    first->setScale_RGB(vertices ? largestLight(settings_) : 1.0F);
+    state.setTextureAttribute(0, first);
+    if (lightmap) {
+        osg::ref_ptr second = new osg::TexEnvCombine;
+        second->setCombine_RGB(osg::TexEnvCombine::MODULATE);
+        second->setSource0_RGB(osg::TexEnvCombine::TEXTURE);
+        second->setSource1_RGB(osg::TexEnvCombine::PREVIOUS);
+        second->setCombine_Alpha(osg::TexEnvCombine::REPLACE);
+        second->setSource0_Alpha(osg::TexEnvCombine::PREVIOUS);
+        second->setScale_RGB(largestLight(settings_));
+        state.setTextureAttribute(1, second);
+    }
+    if (!material.alphaTested || settings_.renderer != pie::engine::Renderer::Fixed) return;
+    osg::ref_ptr test = new osg::AlphaFunc(osg::AlphaFunc::GEQUAL, 0.5F);
+    switch (level_->shaders[key.shader].stages.front().alphaTest) {
+    case AlphaTest::GreaterZero: test->setFunction(osg::AlphaFunc::GREATER, 0.0F); break;
+    case AlphaTest::Less128: test->setFunction(osg::AlphaFunc::LESS, 0.5F); break;
+    case AlphaTest::GreaterEqual128:
+    case AlphaTest::None: break;
+    }
+    state.setAttributeAndModes(test);
 }
 
 } // namespace osgpie

@@ -32,6 +32,7 @@ public:
     struct Entry {
         osg::ref_ptr<osg::StateSet> state; ///< null: nothing to draw
         bool lit = false;
+        bool lightmapCoordinates = false; ///< the drawable needs texture coordinates 1
         LightSource light = LightSource::None;
     };
     /// The state of surfaces with this key; made at the first call.
@@ -55,8 +56,12 @@ private:
     osg::ref_ptr<osg::Texture2D> unitTexture(const UnitTexture& unit, const StateKey& key, std::size_t frame = 0);
     osg::ref_ptr<osg::Program> program(const MaterialProgram& material, const std::string& name);
     osg::ref_ptr<osg::StateSet> makeState(const StateKey& key, const MaterialProgram& material);
-    void addFixedFunction(osg::StateSet& state, const MaterialProgram& material) const;
+    void addFixedFunction(osg::StateSet& state, const StateKey& key, const MaterialProgram& material) const;
 };
+
+/// The largest light that can be shown: the setting, or where fixed-function rendering multiplies by 1, 2 or 4 only,
+/// the next of these.
+[[nodiscard]] float largestLight(const pie::engine::Settings& settings);
 
 /// The game's light for a stored byte triple (lightmap texel, vertex colour): 4 · byte / 255, cut at `overbright` with
 /// the hue kept, over `overbright`; so 1 means `overbright` (LEVELS in doc/manual.md).
