@@ -30,6 +30,15 @@ bool isValve(const std::string& file) {
     return stream.read(magic.data(), magic.size()) && startsWithValve(magic.data());
 }
 
+/// "…/some.pk3/maps/x.bsp" where the archive is there; whether the level is in it, the loader says better.
+bool isInArchive(const std::string& name) {
+    std::error_code error;
+    for (std::filesystem::path path = name; path.has_relative_path(); path = path.parent_path())
+        if (osgDB::getLowerCaseFileExtension(path.string()) == "pk3" && std::filesystem::is_regular_file(path, error))
+            return true;
+    return false;
+}
+
 void report(const pie::level::Level& level) {
     const auto& statistics = level.statistics;
     for (const std::string& warning : statistics.warnings)
@@ -73,7 +82,7 @@ public:
             return delegate([&](osgDB::ReaderWriter& stock) { return stock.readNode(found, options); });
         const auto settings = readSettings(options);
         if (!settings) return failure(settings.error());
-        if (found.empty() && settings->game.empty() && !pie::level::locate(name)) return ReadResult::FILE_NOT_FOUND;
+        if (found.empty() && settings->game.empty() && !isInArchive(name)) return ReadResult::FILE_NOT_FOUND;
         return finish(osgpie::loadLevelNode(file, *settings));
     }
 
