@@ -13,6 +13,7 @@
 #include <osg/Geometry>
 #include <osg/Program>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -160,6 +161,28 @@ TEST(PluginState, LightmapsAreTheGamesLight) {
     }
     // R_ColorShiftLightingBytes: byte << 2; where that leaves the range, every channel × 255 / largest.
     EXPECT_THAT(found, testing::UnorderedElementsAre(colour(160, 160, 160), colour(255, 127, 63)));
+}
+
+TEST(PluginState, EveryLightmapByteIsShiftedAsTheGameDoes) {
+    LevelBuilder builder;
+    builder.polygon(builder.shader("t/wall"), square, 0);
+    level::BspLightmap ramp{};
+    for (std::size_t i = 0; i < 256; ++i)
+        ramp.at(3 * i) = ramp.at(3 * i + 1) = ramp.at(3 * i + 2) = static_cast<std::uint8_t>(i);
+    builder.raw().lightmaps = {ramp};
+    const Game game;
+    for (const int clamp : {1, 2}) {
+        const auto node =
+            readNode(game.addLevel("made", builder.build()), "view=baked overbright_clamp=" + std::to_string(clamp));
+        const osg::Texture2D* texture = textureOf(*stateSet(*node, "t/wall"), 1);
+        ASSERT_NE(texture, nullptr);
+        for (int byte = 0; byte < 256; ++byte) {
+            const int side = level::lightmapSide;
+            const auto* pixel =
+                texture->getImage()->data(static_cast<unsigned>(byte % side), static_cast<unsigned>(byte / side));
+            EXPECT_EQ(int{pixel[0]}, std::min(255, 4 * byte / clamp)) << byte << " at " << clamp;
+        }
+    }
 }
 
 TEST(PluginState, OneStatePerShaderAndLightmap) {
