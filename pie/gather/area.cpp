@@ -165,7 +165,7 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
     for (const float radius : radii) largest = std::max(largest, radius);
     if (cellTriangles_.empty() || !(largest > 0.0F) || !(glm::dot(point, point) >= 0.0F)) return;
 
-    const double thickness = static_cast<double>(slice_.halfThickness);
+    const auto thickness = static_cast<double>(slice_.halfThickness);
     const dvec3 centre(point);
     const dvec3 up(normal);
     forEachFacing({point - Vec3(largest), point + Vec3(largest)}, normal, [&](std::uint32_t t) {
