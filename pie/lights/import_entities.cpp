@@ -118,7 +118,7 @@ private:
     std::optional<Vec3> targetOf(const Entity& entity, const Vec3& origin) {
         const std::string_view name = entity.value("target");
         const Entity* target = findTarget(level_, name);
-        const auto position = target != nullptr ? target->vector("origin") : std::nullopt;
+        auto position = target != nullptr ? target->vector("origin") : std::nullopt;
         if (position && glm::length(*position - origin) > 0.0F) return position;
         warnOnce(result_, fmt::format("a light at {:g} {:g} {:g} has no target named '{}': it shines in all directions",
                                       origin.x, origin.y, origin.z, name));

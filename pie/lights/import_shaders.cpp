@@ -18,7 +18,10 @@ float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180.
 
 /// Mean colour of a picture, over linearised texels if wanted.
 Rgb meanColour(const level::Image& image, bool linear) {
-    if (!linear) return Rgb(image.mean());
+    if (!linear) {
+        const Vec4 mean = image.mean();
+        return {mean.x, mean.y, mean.z};
+    }
     glm::dvec3 sum(0.0);
     for (const Rgba8& texel : image.pixels) sum += glm::dvec3(linearised(Rgb(texel.x, texel.y, texel.z) / 255.0F));
     return image.pixels.empty() ? Rgb(0.0F) : Rgb(sum / static_cast<double>(image.pixels.size()));

@@ -36,7 +36,7 @@ SinCos sinCosQuarter(float x) {
 /// Of the angle 2 pi u, 0 <= u < 1.
 SinCos sinCosTurn(float u) {
     const float quarters = u * 4.0F;
-    const auto quadrant = static_cast<std::uint32_t>(quarters + 0.5F);
+    const auto quadrant = static_cast<std::uint32_t>(0.5F * (2.0F * quarters + 1.0F)); // the nearest, u being positive
     const SinCos s = sinCosQuarter((quarters - static_cast<float>(quadrant)) * (0.5F * pi));
     const bool odd = (quadrant & 1U) != 0;
     const auto negated = [](float x, std::uint32_t if1) {

@@ -79,7 +79,7 @@ private:
         }
         row.magic = ~std::uint64_t{0} / row.size + 1;
         double place = 1.0;
-        for (double reach = 1.0; reach < 4294967296.0; reach *= row.size, ++row.blocks) {
+        for (std::uint64_t reach = 1; (reach >> 32U) == 0; reach *= row.size, ++row.blocks) {
             const std::size_t first = values.size();
             values.resize(first + row.size, 0.0);
             std::size_t stride = 1;
