@@ -10,7 +10,6 @@
 #include <osgDB/FileNameUtils>
 #include <osgDB/FileUtils>
 #include <osgDB/Registry>
-#include <osgDB/WriteFile>
 #include <osgUtil/Optimizer>
 #include <osgViewer/Viewer>
 
@@ -158,7 +157,8 @@ void writePicture(const osg::Image& image, const std::string& output) {
     const fs::path target(output);
     const fs::path part = target.parent_path() / ("." + target.stem().string() + ".part" + target.extension().string());
     std::error_code error;
-    if (!osgDB::writeImageFile(image, part.string())) {
+    // Not osgDB::writeImageFile: that prints a line of its own.
+    if (!osgDB::Registry::instance()->writeImage(image, part.string(), nullptr).success()) {
         fs::remove(part, error);
         fail(fmt::format(
             "{}: the picture could not be written (is the folder there, and is the name one that ends in .png?)",
