@@ -124,6 +124,18 @@ TEST(Halton, GroupsAreCoherentInAllTheirDimensions) {
                           1.0 / spans[d] + rounding);
 }
 
+TEST(Halton, RunsOfIndicesEqualSingleOnes) {
+    const Halton halton(6);
+    std::vector<float> run(3000);
+    for (const unsigned d : {0U, 1U, 6U, 40U, 127U, 131U})
+        for (const std::uint64_t first :
+             {std::uint64_t{0}, std::uint64_t{1023}, std::uint64_t{4294966000}, largest - 3000}) {
+            halton.fill(first, d, run);
+            for (std::size_t i = 0; i < run.size(); ++i)
+                ASSERT_EQ(run[i], halton(first + i, d)) << d << ' ' << first + i;
+        }
+}
+
 TEST(Halton, PairsOfDimensionsAreSpreadBetterThanRandomPoints) {
     constexpr std::size_t count = 1024;
     for (const std::uint64_t seed : {0U, 3U}) {
