@@ -303,7 +303,7 @@ Lit manyRooms(std::uint32_t seed, std::size_t receivers) {
 }
 
 TEST(DirectLight, ManyLightsCostFewRaysAndLittleError) {
-    Lit lit = manyRooms(3, 250);
+    Lit lit = manyRooms(3, 130);
     std::uint64_t rays = 0;
     const auto fast = lit.irradiance(&rays);
     lit.options.exhaustive = true;
@@ -323,7 +323,7 @@ TEST(DirectLight, ManyLightsCostFewRaysAndLittleError) {
     const double rms = std::sqrt(sumSquared / lit1);
     RecordProperty("rms_error_per_mille", static_cast<int>(1000 * rms));
     RecordProperty("rays_per_receiver", static_cast<int>(rays / fast.size()));
-    EXPECT_GT(lit1, 200);
+    EXPECT_GT(lit1, 100);
     EXPECT_LT(rms, 0.03) << rays / fast.size() << " rays per receiver";
     EXPECT_NEAR(sum / lit1, 0.0, 4 * rms / std::sqrt(lit1)) << "no bias beyond 4 sigma";
     EXPECT_LT(rays * 10, allRays);
@@ -341,7 +341,7 @@ TEST(DirectLight, TheTailIsUnbiased) {
     lit.options.tailSamples = 1;
     double sum = 0;
     double sumSquared = 0;
-    constexpr int seeds = 20'000;
+    constexpr int seeds = 8'000;
     for (int seed = 0; seed < seeds; ++seed) {
         lit.options.seed = static_cast<std::uint64_t>(seed);
         const auto e = static_cast<double>(lit.first());
