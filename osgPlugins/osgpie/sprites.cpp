@@ -3,7 +3,6 @@
 #include <osg/Geode>
 #include <osg/Geometry>
 
-#include <algorithm>
 #include <array>
 #include <map>
 
@@ -60,16 +59,19 @@ void addFacing(Arrays& arrays, const Quad& quad, float overbright) {
     addIndices(arrays);
 }
 
-/// Turns about the line through the middles of its two shortest edges (the game's Autosprite2).
+/// Turns about the line through the middles of its shortest edge and of the edge across (the game's Autosprite2, which
+/// takes the two shortest: the same edges, but for squares, where those may meet in a corner).
 void addTurning(Arrays& arrays, const Quad& quad, float overbright) {
+    // Edge 5 − e has the other two corners.
     static constexpr std::array<std::array<std::size_t, 2>, 6> edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-    std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
     const auto length = [&](std::size_t e) {
         return glm::length(quad[edges[e][0]].position - quad[edges[e][1]].position);
     };
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) < length(b); });
-    const auto& low = edges[order[0]];
-    const auto& high = edges[order[1]];
+    std::size_t shortest = 0;
+    for (std::size_t e = 1; e < edges.size(); ++e)
+        if (length(e) < length(shortest)) shortest = e;
+    const auto& low = edges[shortest];
+    const auto& high = edges[5 - shortest];
     const auto middle = [&](const std::array<std::size_t, 2>& e) {
         return 0.5F * (quad[e[0]].position + quad[e[1]].position);
     };
@@ -80,8 +82,8 @@ void addTurning(Arrays& arrays, const Quad& quad, float overbright) {
     const auto add = [&](std::size_t v, float x, float y) {
         addVertex(arrays, quad[v], centre, axis, {x, y}, quad[v].texture, overbright);
     };
-    const float lowHalf = 0.5F * length(order[0]);
-    const float highHalf = 0.5F * length(order[1]);
+    const float lowHalf = 0.5F * length(shortest);
+    const float highHalf = 0.5F * length(5 - shortest);
     // Keep sides together: the end of the upper edge that lies on the same side as the lower edge's first.
     const Vec3 side = quad[low[0]].position - middle(low);
     const bool same = glm::dot(side, quad[high[0]].position - middle(high)) >= 0;
