@@ -259,6 +259,21 @@ TEST(PluginState, SpritesCarryTheirCentre) {
     EXPECT_FALSE(isOn(*stateSet(*node, "t/flare"), GL_CULL_FACE));
 }
 
+TEST(PluginState, TurningSpritesKeepTheirShape) {
+    const Game game;
+    game.addScript("t/flame\n{\ndeformVertexes autosprite2\n{\nmap t/a.tga\nblendFunc add\n}\n}\n");
+    // A tall one and a square; corners in both orders that compilers write.
+    for (const float height : {128.0F, 64.0F})
+        for (const bool turned : {false, true}) {
+            std::vector<Vec3> corners{{0, 0, 0}, {64, 0, 0}, {64, 0, height}, {0, 0, height}};
+            if (turned) std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+            LevelBuilder builder;
+            builder.polygon(builder.shader("t/flame"), corners);
+            const auto node = readNode(game.addLevel("made", builder.build()), "view=baked");
+            EXPECT_NEAR(areaOf(trianglesOf(*node, "t/flame")), 64.0 * static_cast<double>(height), 1e-3);
+        }
+}
+
 TEST(PluginState, FogVolumesReachTheProgram) {
     const Game game;
     game.addScript(
