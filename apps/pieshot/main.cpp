@@ -101,7 +101,7 @@ struct FindStart : osg::NodeVisitor {
 osg::Matrixd viewMatrix(const Arguments& arguments, osg::Node& scene) {
     if (!arguments.camera.empty()) {
         const auto camera = parseCamera(arguments.camera);
-        if (!camera) fail(fmt::format("--camera \"{}\": expected \"x y z yaw pitch\"", arguments.camera));
+        if (!camera) fail(fmt::format(R"(--camera "{}": expected "x y z yaw pitch")", arguments.camera));
         const double yaw = osg::DegreesToRadians(camera->yaw);
         const double pitch = osg::DegreesToRadians(-camera->pitch);
         const osg::Vec3d ahead(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
@@ -111,7 +111,7 @@ osg::Matrixd viewMatrix(const Arguments& arguments, osg::Node& scene) {
     FindStart find;
     scene.accept(find);
     if (!find.start) {
-        const osg::BoundingSphere bound = scene.getBound();
+        const osg::BoundingSphere& bound = scene.getBound();
         const osg::Vec3d centre(bound.center());
         const osg::Vec3d back(0, -2.5 * static_cast<double>(bound.radius()), 0);
         return osg::Matrixd::lookAt(centre + back, centre, osg::Vec3d(0, 0, 1));
@@ -230,9 +230,7 @@ void render(const Arguments& arguments) {
     writePicture(*image, arguments.output);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     Arguments arguments;
     CLI::App app{"A picture of a Quake 3 level, lit by photons.\n\n"
                  "  pieshot maps/oa_dm1.bsp out.png\n"
@@ -278,4 +276,15 @@ int main(int argc, char** argv) {
     preferOwnPlugin();
     render(arguments);
     return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "pieshot: %s\n", error.what());
+        return 1;
+    }
 }

@@ -115,14 +115,12 @@ private:
         return settings;
     }
 
-    static ReadResult failure(const pie::Error& error) {
-        return ReadResult(fmt::format("{}{}", prefix, error.message()));
-    }
+    static ReadResult failure(const pie::Error& error) { return {fmt::format("{}{}", prefix, error.message())}; }
 
     static ReadResult finish(pie::Result<osg::ref_ptr<osgpie::LevelNode>> node) {
         if (!node) return failure(node.error());
         report((*node)->engine().level());
-        return ReadResult((*node).get());
+        return {(*node).get()};
     }
 
     template <class Read> static ReadResult delegate(Read read) {

@@ -36,9 +36,9 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
 IrradianceCallback::IrradianceCallback(std::shared_ptr<pie::engine::Engine> engine,
                                        std::vector<std::uint32_t> receivers,
                                        std::vector<std::uint32_t> receiverOfVertex,
-                                       osg::ref_ptr<osg::Vec4Array> colours, float scale)
+                                       const osg::ref_ptr<osg::Vec4Array>& colours, float scale)
     : engine_(std::move(engine)), receivers_(std::move(receivers)), receiverOfVertex_(std::move(receiverOfVertex)),
-      colours_(std::move(colours)), scale_(scale), irradiance_(receivers_.size()) {}
+      colours_(colours), scale_(scale), irradiance_(receivers_.size()) {}
 
 bool IrradianceCallback::refresh() const {
     const std::uint64_t revision = engine_->lightRevision();

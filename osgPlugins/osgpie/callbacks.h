@@ -34,7 +34,8 @@ public:
     /// `receivers`: those of the drawable, each once; `receiverOfVertex`: place in that list for each element of
     /// `colours`. `scale` turns irradiance into colour values.
     IrradianceCallback(std::shared_ptr<pie::engine::Engine> engine, std::vector<std::uint32_t> receivers,
-                       std::vector<std::uint32_t> receiverOfVertex, osg::ref_ptr<osg::Vec4Array> colours, float scale);
+                       std::vector<std::uint32_t> receiverOfVertex, const osg::ref_ptr<osg::Vec4Array>& colours,
+                       float scale);
     void drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const override;
     /// Brings the colours up to date; whether they changed. Called by the draw; for writers of files also without one.
     bool refresh() const;

@@ -23,7 +23,6 @@ using pie::level::TcGen;
 using pie::level::TcMod;
 using pie::level::TcModKind;
 using pie::level::Wave;
-using pie::level::WaveForm;
 
 /// A float as GLSL 1.20 reads it: always with a point, never "inf".
 std::string number(float value) {
@@ -153,7 +152,7 @@ std::string scalarFactor(BlendFactor factor) {
     case BlendFactor::SourceAlpha: return "vec3(srcA)";
     case BlendFactor::OneMinusSourceAlpha: return "vec3(1.0 - srcA)";
     case BlendFactor::DestinationAlpha: return "vec3(1.0)";
-    case BlendFactor::OneMinusDestinationAlpha: return "vec3(0.0)";
+    case BlendFactor::OneMinusDestinationAlpha:
     case BlendFactor::SourceAlphaSaturate: return "vec3(0.0)";
     case BlendFactor::DestinationColour:
     case BlendFactor::OneMinusDestinationColour: break;

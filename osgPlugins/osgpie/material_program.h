@@ -28,7 +28,6 @@ struct Look {
     bool animate = true;     ///< false: time stands at zero
     bool fog = false;        ///< the surface stands in a fog volume: uniforms fogColour, fogPlane, fogOpaque
     float cloudHeight = 0;   ///< makeSkyProgram only
-    auto operator<=>(const Look&) const = default;
 };
 
 /// A texture unit of the program.

@@ -22,7 +22,10 @@ struct StateKey {
     std::uint32_t shader = 0;
     std::int32_t lightmap = pie::level::noLightmap;
     std::int32_t fog = -1;
-    auto operator<=>(const StateKey&) const = default;
+    bool operator==(const StateKey&) const = default;
+    friend bool operator<(const StateKey& a, const StateKey& b) {
+        return std::tie(a.shader, a.lightmap, a.fog) < std::tie(b.shader, b.lightmap, b.fog);
+    }
 };
 
 class StateSets {

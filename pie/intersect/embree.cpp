@@ -16,7 +16,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -222,9 +221,9 @@ private:
                                            const std::vector<std::uint32_t>& triangles) const {
         RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
         if (!triangles.empty()) {
-            void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                      sizeof(Vec3), scene.positions.size());
-            std::memcpy(positions, scene.positions.data(), scene.positions.size() * sizeof(Vec3));
+            auto* positions = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
+                geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), scene.positions.size()));
+            std::copy(scene.positions.begin(), scene.positions.end(), positions);
             auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
                 geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size()));
             for (const std::uint32_t t : triangles)

@@ -166,9 +166,9 @@ Vec3 samplePoint(const Mesh& mesh, const MeshTriangle& triangle) {
     const glm::dvec3 centre = (glm::dvec3(at(0)) + glm::dvec3(at(1)) + glm::dvec3(at(2))) / 3.0;
     const glm::dvec3 across = areaVector(at(0), at(1), at(2));
     const double size = glm::length(across);
-    if (!(size > 0)) return Vec3(centre);
+    if (!(size > 0)) return {centre};
     // A quarter of a unit clears the planes of a level of the usual size, less has to do for smaller triangles.
-    return Vec3(centre + across / size * std::min(0.25, 0.1 * std::sqrt(size)));
+    return {centre + across / size * std::min(0.25, 0.1 * std::sqrt(size))};
 }
 
 } // namespace
@@ -183,6 +183,7 @@ CellNode makeCells(const Mesh& mesh, const level::Level& level, std::size_t want
     }
     const CellBuilder builder(mesh, level.tree, wanted);
     std::vector<CellNode> groups;
+    groups.reserve(models.size());
     for (auto& [model, samples] : models)
         groups.push_back(toNode(model == 0 && !level.tree.nodes.empty() ? builder.byTree(samples, 0, 0)
                                                                         : builder.byHalves(samples, 0)));
