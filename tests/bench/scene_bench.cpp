@@ -58,12 +58,14 @@ void closeTJunctions(benchmark::State& state) {
 }
 
 void buildReceivers(benchmark::State& state) {
+    const scene::Mesh& mesh = benchMesh();
     std::size_t count = 0;
-    for (auto _ : state) count = scene::makeReceivers(benchMesh(), benchLevel()).points.size();
+    for (auto _ : state) count = scene::makeReceivers(mesh, benchLevel()).points.size();
     state.counters["receivers"] = static_cast<double>(count);
 }
 void buildCells(benchmark::State& state) {
-    for (auto _ : state) benchmark::DoNotOptimize(scene::makeCells(benchMesh(), benchLevel()));
+    const scene::Mesh& mesh = benchMesh();
+    for (auto _ : state) benchmark::DoNotOptimize(scene::makeCells(mesh, benchLevel()));
 }
 
 BENCHMARK(buildScene)->Unit(benchmark::kMillisecond);

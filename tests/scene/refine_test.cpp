@@ -219,6 +219,7 @@ TEST(Refine, ClosesTJunctionsOfTrianglesThatCross) {
         std::mt19937 random(seed);
         std::uniform_int_distribution<int> coordinate(0, 32);
         std::vector<Vec3> corners;
+        corners.reserve(300);
         for (int i = 0; i < 300; ++i) // on few planes and grid points, so that vertices meet edges often
             corners.emplace_back(8 * coordinate(random), 8 * coordinate(random), 64 * (i / 3 % 2));
         Mesh mesh = soup(corners);
