@@ -474,7 +474,7 @@ private:
             p = "(src - vec3(1.0))";
             q = "vec3(1.0)";
         }
-        if (i == 0 && !out_.blended)
+        if (i == 0 && stage.blend.opaque()) // the first stage of clouds may blend with a sky box
             code += "        a = vec3(0.0); b = src;\n";
         else
             code += fmt::format("        vec3 p = {}, q = {};\n        a = q * a; b = clamp(p + q * b, 0.0, {});\n", p,

@@ -5,6 +5,7 @@
 #include "tests/osg/glsl_check.h"
 #include "tests/osg/scripts.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -126,7 +127,7 @@ TEST(MaterialProgram, OneBlendedStageKeepsItsBlendFunction) {
     for (const auto& [source, s] : sources)
         for (const auto& [destination, d] : destinations) {
             const MaterialProgram program =
-                make("{\nmap t/a.tga\nblendFunc " + source + " " + destination + "\nrgbGen identity\n}");
+                make(fmt::format("{{\nmap t/a.tga\nblendFunc {} {}\nrgbGen identity\n}}", source, destination));
             EXPECT_TRUE(program.blended);
             EXPECT_EQ(program.blend, (Blend{s, d})) << source << " " << destination;
             EXPECT_FALSE(program.depthWrite);
@@ -273,7 +274,8 @@ TEST(SkyProgram, BoxIsSixClampedPicturesInTheOrderOfTheCube) {
         EXPECT_THAT(program.units[i].images, testing::ElementsAre(testing::StartsWith("env/space_" + order[i])));
         EXPECT_TRUE(program.units[i].clamp);
     }
-    EXPECT_THAT(program.fragmentSource, HasSubstr("box(n)"));
+    EXPECT_THAT(program.fragmentSource, HasSubstr("b = box(n)"));
+    EXPECT_THAT(program.fragmentSource, Not(HasSubstr("b = src"))) << "clouds that blend replace the box";
     EXPECT_THAT(program.vertexSource, HasSubstr("p.xyww"));
     EXPECT_FALSE(program.depthWrite);
 }
@@ -286,6 +288,7 @@ TEST(SkyProgram, CloudsAloneNeedNoBox) {
         EXPECT_EQ(program.units.size(), 2U);
         EXPECT_THAT(program.fragmentSource, Not(HasSubstr("box(n)")));
         EXPECT_THAT(program.fragmentSource, HasSubstr("cloud(n)"));
+        EXPECT_THAT(program.fragmentSource, HasSubstr("b = src"));
     }
     EXPECT_FALSE(makeSkyProgram(parseScript("skyParms - 512 -"), {}).visible);
 }
