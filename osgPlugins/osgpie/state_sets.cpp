@@ -4,6 +4,7 @@
 #include <osg/BlendFunc>
 #include <osg/CullFace>
 #include <osg/Depth>
+#include <osg/DisplaySettings>
 #include <osg/NodeVisitor>
 #include <osg/PolygonOffset>
 #include <osg/TexEnvCombine>
@@ -52,8 +53,20 @@ void setWrap(osg::Texture2D& texture, bool clamp) {
     texture.setWrap(osg::Texture::WRAP_T, mode);
 }
 
+/// OSG makes room in a texture for as many contexts as there are when the texture is made. The first frame of a later
+/// context then grows Texture2D's count of changes on its own drawing thread (resizeGLObjectBuffers forgets it, and
+/// does not reach the frames of an animMap): two such threads at once destroy the heap. So there is room beforehand,
+/// for as many as OSG itself assumes before there is a window.
+void makeRoomForContexts(osg::Texture2D& texture) {
+    constexpr unsigned usual = 32;
+    const unsigned contexts = std::max(usual, osg::DisplaySettings::instance()->getMaxNumberOfGraphicsContexts());
+    texture.resizeGLObjectBuffers(contexts);
+    texture.getModifiedCount(contexts - 1) = 0;
+}
+
 osg::ref_ptr<osg::Texture2D> makeTexture(osg::Image* image, bool clamp, bool mipmaps) {
     osg::ref_ptr texture = new osg::Texture2D(image);
+    makeRoomForContexts(*texture);
     texture->setResizeNonPowerOfTwoHint(false);
     setWrap(*texture, clamp);
     texture->setFilter(osg::Texture::MIN_FILTER, mipmaps ? osg::Texture::LINEAR_MIPMAP_LINEAR : osg::Texture::LINEAR);
