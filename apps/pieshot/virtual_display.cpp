@@ -38,7 +38,7 @@ std::string readNumber(int descriptor) {
     dup2(silence, STDOUT_FILENO);
     dup2(silence, STDERR_FILENO);
     const std::string number = std::to_string(numberDescriptor);
-    execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp",
+    execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp", "-noreset",
            static_cast<char*>(nullptr));
     _exit(127);
 }

@@ -55,7 +55,7 @@ template <class Cache> void byPosition(benchmark::State& state) {
     };
     draw(); // fills the cache; later frames find every key
     made = 0;
-    for (auto _ : state) draw();
+    for ([[maybe_unused]] auto _ : state) draw();
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(3 * mesh.triangles.size()));
     state.counters["estimates"] = static_cast<double>(made) / static_cast<double>(state.iterations());
 }
@@ -69,7 +69,7 @@ void receiverByIndex(benchmark::State& state) {
     std::vector<Estimate> cache(receivers.points.size());
     int frame = 0;
     std::size_t made = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         ++frame;
         Vec3 sum(0.0F);
         for (const scene::MeshTriangle& triangle : mesh.triangles)

@@ -61,8 +61,10 @@ std::vector<Ray> emitRays() {
     constexpr std::size_t across = 128; // squares of 4 × 4 in a row; 64 rows
     for (std::size_t i = 0; i < rayCount; ++i) {
         const std::size_t square = i / 16;
-        const float u = (static_cast<float>(square % across * 4 + i % 4) + 0.5F) / (4 * across);
-        const float w = (static_cast<float>(square / across * 4 + i % 16 / 4) + 0.5F) / 256;
+        const std::size_t column = square % across * 4 + i % 4;
+        const std::size_t row = square / across * 4 + i % 16 / 4;
+        const float u = (static_cast<float>(column) + 0.5F) / (4 * across);
+        const float w = (static_cast<float>(row) + 0.5F) / 256;
         const float z = 1 - 2 * w;
         const float ring = std::sqrt(1 - z * z);
         const float turn = u * 6.2831853F;
@@ -83,7 +85,7 @@ void closest(benchmark::State& state, Kind kind, bool emit) {
     // Brute force would take minutes for all of them.
     const std::size_t count = kind == Kind::BruteForce ? 256 : rays.size();
     std::vector<Hit> hits(batch);
-    for (auto _ : state)
+    for ([[maybe_unused]] auto _ : state)
         for (std::size_t i = 0; i < count; i += batch) {
             const std::size_t some = std::min(batch, count - i);
             one.closest(rays.subspan(i, some), std::span(hits).first(some));
@@ -97,7 +99,7 @@ void occluded(benchmark::State& state, Kind kind, bool emit) {
     const std::span<const Ray> rays = raysOf(emit);
     const std::size_t count = kind == Kind::BruteForce ? 256 : rays.size();
     std::vector<std::uint8_t> blocked(batch);
-    for (auto _ : state)
+    for ([[maybe_unused]] auto _ : state)
         for (std::size_t i = 0; i < count; i += batch) {
             const std::size_t some = std::min(batch, count - i);
             one.occluded(rays.subspan(i, some), std::span(blocked).first(some));
@@ -106,7 +108,8 @@ void occluded(benchmark::State& state, Kind kind, bool emit) {
 }
 
 void build(benchmark::State& state, Kind kind) {
-    for (auto _ : state) benchmark::DoNotOptimize(intersect::makeIntersector(kind, benchScene(), benchLevel().tree));
+    for ([[maybe_unused]] auto _ : state)
+        benchmark::DoNotOptimize(intersect::makeIntersector(kind, benchScene(), benchLevel().tree));
     state.counters["triangles"] = static_cast<double>(benchScene().triangles.size());
 }
 

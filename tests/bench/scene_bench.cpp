@@ -12,16 +12,16 @@ namespace pie::bench {
 namespace {
 
 void buildScene(benchmark::State& state) {
-    for (auto _ : state) benchmark::DoNotOptimize(scene::makeScene(benchLevel()));
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(scene::makeScene(benchLevel()));
 }
 void buildMesh(benchmark::State& state) {
-    for (auto _ : state) benchmark::DoNotOptimize(scene::makeMesh(benchLevel()));
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(scene::makeMesh(benchLevel()));
 }
 
 void refineBy(benchmark::State& state, const scene::RefineOptions& options) {
     const scene::Mesh coarse = scene::makeMesh(benchLevel());
     std::size_t triangles = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         state.PauseTiming();
         scene::Mesh mesh = coarse;
         state.ResumeTiming();
@@ -48,7 +48,7 @@ void refineBySplits(benchmark::State& state) {
 void closeTJunctions(benchmark::State& state) {
     const scene::Mesh coarse = scene::makeMesh(benchLevel());
     std::size_t closed = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         state.PauseTiming();
         scene::Mesh mesh = coarse;
         state.ResumeTiming();
@@ -60,12 +60,12 @@ void closeTJunctions(benchmark::State& state) {
 void buildReceivers(benchmark::State& state) {
     const scene::Mesh& mesh = benchMesh();
     std::size_t count = 0;
-    for (auto _ : state) count = scene::makeReceivers(mesh, benchLevel()).points.size();
+    for ([[maybe_unused]] auto _ : state) count = scene::makeReceivers(mesh, benchLevel()).points.size();
     state.counters["receivers"] = static_cast<double>(count);
 }
 void buildCells(benchmark::State& state) {
     const scene::Mesh& mesh = benchMesh();
-    for (auto _ : state) benchmark::DoNotOptimize(scene::makeCells(mesh, benchLevel()));
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(scene::makeCells(mesh, benchLevel()));
 }
 
 BENCHMARK(buildScene)->Unit(benchmark::kMillisecond);

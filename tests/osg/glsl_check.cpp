@@ -1,5 +1,7 @@
 #include "tests/osg/glsl_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <optional>
@@ -84,7 +86,7 @@ public:
             const std::string& token = source[i];
             const std::string next = i + 1 < source.size() ? source[i + 1] : std::string();
             const std::string previous = i > 0 ? source[i - 1] : std::string();
-            if (token == "--" || token == "++") faults.push_back("operator " + token + " near " + next);
+            if (token == "--" || token == "++") faults.push_back(fmt::format("operator {} near {}", token, next));
             if (isDigit(token.front()) && !isNumber(token)) faults.push_back("no number: " + token);
             brackets(token);
             if (isName(token)) name(token, previous, next);

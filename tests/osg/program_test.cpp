@@ -95,8 +95,9 @@ public:
         game.addScript(script_);
         LevelBuilder builder;
         const auto square = [&](const std::string& shader, std::size_t i, float z) {
+            const std::size_t row = i / columns;
             const float x = static_cast<float>(i % columns) * size;
-            const float y = static_cast<float>(i / columns) * size;
+            const float y = static_cast<float>(row) * size;
             builder.polygon(builder.shader(shader),
                             {{x, y, z}, {x + size, y, z}, {x + size, y + size, z}, {x, y + size, z}});
         };

@@ -22,7 +22,6 @@ using namespace pie::test;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr int notInstalled = 127;
@@ -224,7 +223,7 @@ TEST_F(Tools, PieshotCameraLooksWhereItIsTold) {
         EXPECT_EQ(result.status, 0) << result.err;
         const Picture picture = readPicture(out);
         if (picture.empty()) return std::array<int, 3>{};
-        const std::uint8_t* p = &picture.rgb[3 * (60 * 160 + 80)];
+        const std::uint8_t* p = &picture.rgb[std::size_t{3} * (60 * 160 + 80)];
         return std::array<int, 3>{p[0], p[1], p[2]};
     };
     EXPECT_EQ(middle("100 0 0 0 90"), (std::array<int, 3>{200, 100, 50})) << "pitch is positive downwards";

@@ -88,7 +88,7 @@ std::shared_ptr<level::Image> picture(int width, int height, const Rgba8& colour
     image->width = width;
     image->height = height;
     image->hasAlpha = colour.w != 255;
-    image->pixels.assign(static_cast<std::size_t>(width * height), colour);
+    image->pixels.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), colour);
     return image;
 }
 

@@ -47,7 +47,7 @@ std::unique_ptr<VirtualDisplay> VirtualDisplay::start(int width, int height) {
         constexpr int readyPipe = 3;
         if (::getppid() == parent && ::dup2(silence, 1) >= 0 && ::dup2(silence, 2) >= 0 &&
             ::dup2(pipe[1], readyPipe) >= 0 && (pipe[1] != readyPipe || ::fcntl(readyPipe, F_SETFD, 0) == 0))
-            ::execlp("Xvfb", "Xvfb", "-displayfd", "3", "-screen", "0", screen.c_str(), "-nolisten", "tcp",
+            ::execlp("Xvfb", "Xvfb", "-displayfd", "3", "-screen", "0", screen.c_str(), "-nolisten", "tcp", "-noreset",
                      static_cast<char*>(nullptr));
         ::_exit(127);
     }
