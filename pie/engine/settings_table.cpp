@@ -151,9 +151,9 @@ constexpr std::array table{
     Row{"direct_samples", "Irradiance", &Settings::directSamples, 1, 4096, "rays",
         "Shadow rays per receiver to one soft source, at most. More: smoother penumbras, time in proportion.", ""},
     Row{"direct_tolerance", "Irradiance", &Settings::directTolerance, 0, 255, "lightmap units",
-        "A source that would give a receiver less than this, unshadowed, is left out there. Larger: faster in levels "
-        "of many lights, and "
-        "darker by up to this per source.",
+        "Standard error that direct light may have by testing only a draw of the weak sources. Larger: faster in "
+        "levels "
+        "of many lights, and noisier from vertex to vertex; the mean stays.",
         ""},
 
     Row{"mesh_refinement", "Geometry", &Settings::meshRefinement, 0, largestInt, "splits",
