@@ -108,7 +108,9 @@ Result<Image> loadImage(const Vfs& files, const std::string& path) {
         return failed(input->geterror());
     expand(image, channels);
     if (flippedByGame(path, *bytes)) flip(image);
-    image.hasAlpha = std::any_of(image.pixels.begin(), image.pixels.end(), [](const Rgba8& p) { return p.a != 255; });
+    const bool carriesAlpha = channels == 2 || channels == 4;
+    image.hasAlpha = carriesAlpha &&
+                     std::any_of(image.pixels.begin(), image.pixels.end(), [](const Rgba8& p) { return p.a != 255; });
     return image;
 }
 
