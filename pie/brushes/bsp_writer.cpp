@@ -121,7 +121,7 @@ void BspWriter::addPatch(const PatchText& patch, std::uint32_t mapShader, const 
                 while (inside(back - 1) && at(x + back * dx, y + back * dy) == control.position) --back;
                 return at(x + ahead * dx, y + ahead * dy) - at(x + back * dx, y + back * dy);
             };
-            const glm::dvec3 normal = glm::cross(along(0, 1), along(1, 0));
+            const glm::dvec3 normal = glm::cross(along(1, 0), along(0, 1));
             const double length = glm::length(normal);
             level::BspVertex vertex;
             vertex.position = toFloat(control.position - origin);

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <iterator>
 
 namespace pie::brushes {
 namespace {
@@ -220,12 +221,46 @@ private:
         model.brushCount = static_cast<std::int32_t>(writer_.bsp.brushes.size()) - model.firstBrush;
     }
 
-    /// The fog that holds a point in front of a face.
+    struct Piece {
+        Polygon polygon;
+        std::int32_t fog = -1;
+    };
+    /// Faces are cut where fog begins: each piece is in one volume or in none.
+    [[nodiscard]] std::vector<Piece> cutByFog(const Polygon& polygon, std::uint32_t plane) const {
+        std::vector<Piece> pieces{{polygon, -1}};
+        for (const Fog& fog : fogs_) {
+            std::vector<Piece> cut;
+            for (Piece& piece : pieces) {
+                Polygon inside = piece.fog < 0 ? piece.polygon : Polygon{};
+                std::vector<Piece> outside;
+                for (const Side& side : parts_.front().brushes[fog.brush].sides) {
+                    if ((side.plane & ~1U) == (plane & ~1U)) {
+                        // In the volume's own border: inside if it looks into it.
+                        if (side.plane == plane) inside.clear();
+                        continue;
+                    }
+                    Split parts = split(inside, planes_[side.plane]);
+                    if (hasArea(parts.front)) outside.push_back({std::move(parts.front), -1});
+                    inside = std::move(parts.back);
+                    if (inside.empty()) break;
+                }
+                if (!hasArea(inside)) {
+                    cut.push_back(std::move(piece));
+                    continue;
+                }
+                cut.push_back({std::move(inside), fog.effect});
+                std::move(outside.begin(), outside.end(), std::back_inserter(cut));
+            }
+            pieces = std::move(cut);
+        }
+        return pieces;
+    }
+    /// The fog that holds a point.
     [[nodiscard]] std::int32_t fogAt(const glm::dvec3& point) const {
         for (const Fog& fog : fogs_) {
             const Brush& brush = parts_.front().brushes[fog.brush];
             if (std::all_of(brush.sides.begin(), brush.sides.end(),
-                            [&](const Side& s) { return planes_[s.plane].above(point) < 0.5; }))
+                            [&](const Side& s) { return planes_[s.plane].above(point) < onPlane; }))
                 return fog.effect;
         }
         return -1;
@@ -258,13 +293,12 @@ private:
             // What stands in the open inside a solid leaf touches nobody's eye either.
             std::erase_if(leaves, [&](std::uint32_t leaf) { return !tree.leaves()[leaf].reached; });
             if (leaves.empty()) continue;
-            glm::dvec3 centre(0);
-            for (const glm::dvec3& p : fragment.polygon) centre += p;
-            centre = centre / static_cast<double>(fragment.polygon.size()) + 0.25 * planes_[side.plane].normal;
-            const auto face = static_cast<std::uint32_t>(writer_.bsp.faces.size());
-            writer_.addPolygon(fragment.polygon, side, brush.text->faces[side.face], glm::dvec3(0), fogAt(centre));
-            if (writer_.bsp.faces.size() > face)
-                for (const std::uint32_t leaf : leaves) leafFaces_[leaf].push_back(face);
+            for (const Piece& piece : cutByFog(fragment.polygon, side.plane)) {
+                const auto face = static_cast<std::uint32_t>(writer_.bsp.faces.size());
+                writer_.addPolygon(piece.polygon, side, brush.text->faces[side.face], glm::dvec3(0), piece.fog);
+                if (writer_.bsp.faces.size() > face)
+                    for (const std::uint32_t leaf : leaves) leafFaces_[leaf].push_back(face);
+            }
         }
         for (const Part::Curve& curve : world.patches) {
             if (!shaders_[curve.shader].kept) continue;

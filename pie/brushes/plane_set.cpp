@@ -24,7 +24,9 @@ std::optional<Plane> planeThrough(const std::array<glm::dvec3, 3>& points) {
     if (!(length > 1e-9 * glm::length(a) * glm::length(b)) || !(length > 0)) return std::nullopt;
     Plane plane{normal / length, 0};
     for (int axis = 0; axis < 3; ++axis)
-        if (std::abs(std::abs(plane.normal[axis]) - 1) < normalTolerance) {
+        // Both others small, not this one near 1: that would flatten slopes of half a percent.
+        if (std::abs(plane.normal[(axis + 1) % 3]) < normalTolerance &&
+            std::abs(plane.normal[(axis + 2) % 3]) < normalTolerance) {
             const double sign = plane.normal[axis] > 0 ? 1 : -1;
             plane.normal = glm::dvec3(0);
             plane.normal[axis] = sign;
