@@ -1,5 +1,6 @@
 #include "apps/bspinfo/report.h"
 
+#include "pie/brushes/load.h"
 #include "pie/lights/light_set.h"
 #include "pie/scene/scene.h"
 
@@ -105,7 +106,7 @@ pie::Result<Report> inspect(const std::string& level, const std::filesystem::pat
     pie::Result<pie::level::Location> location = pie::level::locate(level, game, textures);
     if (!location) return location.error();
     watch.stage("find");
-    pie::Result<Level> loaded = pie::level::loadLevel(std::move(*location));
+    pie::Result<Level> loaded = pie::brushes::loadLevel(std::move(*location));
     if (!loaded) return loaded.error();
     report.level = std::move(*loaded);
     for (const pie::level::StageTime& stage : report.level.statistics.times) report.times.push_back(stage);

@@ -173,7 +173,7 @@ osg::ref_ptr<osg::Node> readLevel(const Arguments& arguments, const std::string&
     const std::string name =
         arguments.map.empty()
             ? arguments.level
-            : arguments.map + (osgDB::getLowerCaseFileExtension(arguments.map) == "bsp" ? "" : ".bsp");
+            : arguments.map + (osgDB::getLowerCaseFileExtension(arguments.map) == "bsp" || osgDB::getLowerCaseFileExtension(arguments.map) == "map" ? "" : ".bsp");
     auto result = osgDB::Registry::instance()->readNode(name, readOptions);
     if (!result.validNode())
         fail(result.message().empty() ? fmt::format("{}: not found, or no level", name) : result.message());

@@ -2,6 +2,7 @@
 
 #include "osgPlugins/osgpie/initial_view.h"
 #include "osgPlugins/osgpie/settle.h"
+#include "pie/brushes/load.h"
 #include "pie/core/parallel.h"
 
 namespace osgpie {
@@ -33,7 +34,7 @@ osg::ref_ptr<LevelNode> makeNode(pie::level::Level&& level, const pie::engine::S
 pie::Result<osg::ref_ptr<LevelNode>> loadLevelNode(const std::string& level, const pie::engine::Settings& settings) {
     auto location = find(level, settings);
     if (!location) return location.error();
-    auto loaded = pie::level::loadLevel(std::move(*location), loadOptions(settings));
+    auto loaded = pie::brushes::loadLevel(std::move(*location), loadOptions(settings));
     if (!loaded) return loaded.error();
     return makeNode(std::move(*loaded), settings);
 }
@@ -45,7 +46,7 @@ pie::Result<osg::ref_ptr<LevelNode>> loadLevelNode(const std::vector<std::byte>&
         location = std::move(*found);
     else
         location.name = level;
-    auto loaded = pie::level::loadLevel(bytes, std::move(location), loadOptions(settings));
+    auto loaded = pie::brushes::loadLevel(bytes, std::move(location), loadOptions(settings));
     if (!loaded) return loaded.error();
     return makeNode(std::move(*loaded), settings);
 }

@@ -75,8 +75,8 @@ struct Settings {
     float sphereSlice = 4; ///< units; half thickness
     bool useEstimateCache = true;
     DirectLight directLight = DirectLight::ShadowRays;
-    int directSamples = 8;         ///< shadow rays per soft source and receiver, at most
-    float directTolerance = 0.25F; ///< lightmap units U, standard error
+    int directSamples = 64;    ///< shadow rays per soft source and receiver, at most
+    float directTolerance = 2; ///< lightmap units U, standard error
 
     // Geometry
     int meshRefinement = std::numeric_limits<int>::max(); ///< splits, at most

@@ -78,6 +78,17 @@ std::string findImage(const Vfs& files, std::string_view name) {
     return {};
 }
 
+std::optional<std::array<int, 2>> imageSize(const Vfs& files, const std::string& path) {
+    const Result<Bytes> bytes = files.read(path);
+    if (!bytes) return std::nullopt;
+    OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes->data()), bytes->size());
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(lower(extension(path)));
+    OIIO::ImageSpec opened;
+    if (!input || !input->set_ioproxy(&memory) || !input->open(lower(path), opened)) return std::nullopt;
+    if (opened.width < 1 || opened.height < 1) return std::nullopt;
+    return std::array{opened.width, opened.height};
+}
+
 Result<Image> loadImage(const Vfs& files, const std::string& path) {
     const Result<Bytes> bytes = files.read(path);
     if (!bytes) return bytes.error();

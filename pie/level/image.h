@@ -4,6 +4,8 @@
 #include "pie/core/result.h"
 #include "pie/core/vec.h"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,5 +30,7 @@ struct Image {
 [[nodiscard]] std::string findImage(const Vfs& files, std::string_view name);
 /// `path` as returned by findImage. Limits: 16384 pixels a side.
 [[nodiscard]] Result<Image> loadImage(const Vfs& files, const std::string& path);
+/// Width and height, from the head of the file alone.
+[[nodiscard]] std::optional<std::array<int, 2>> imageSize(const Vfs& files, const std::string& path);
 
 } // namespace pie::level

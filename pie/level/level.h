@@ -4,6 +4,7 @@
 
 #include "pie/core/result.h"
 #include "pie/core/vec.h"
+#include "pie/level/bsp.h"
 #include "pie/level/entities.h"
 #include "pie/level/image.h"
 #include "pie/level/shader.h"
@@ -154,6 +155,17 @@ struct Level {
 
 /// The six pictures of a sky box in the game's order (rt bk lf ft up dn), from the base name in Shader::skyBox.
 [[nodiscard]] std::array<std::string, 6> skyBoxImages(std::string_view base);
+
+/// What a reader of any format hands over: records as of a BSP file, the scripts they refer to, and what it has to say.
+struct LevelRecords {
+    Bsp bsp;
+    ShaderLibrary shaders;
+    std::string dialect;
+    std::vector<std::string> warnings;
+    std::vector<StageTime> times; ///< of its own stages
+};
+/// Finds pictures, tessellates patches, places submodels: what is the same for every format.
+[[nodiscard]] Result<Level> makeLevel(LevelRecords records, Location location, const LoadOptions& options = {});
 
 /// Reads a level and everything it refers to. Missing pictures are warnings, damaged structure is an Error.
 [[nodiscard]] Result<Level> loadLevel(Location location, const LoadOptions& options = {});

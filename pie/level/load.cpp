@@ -39,6 +39,12 @@ std::string stem(const std::string& name) {
     return std::string(withoutExtension(slash == std::string::npos ? name : name.substr(slash + 1)));
 }
 
+/// Where the level was found, for messages.
+std::string nameOf(const Location& location) {
+    std::string name = location.files.origin(location.name);
+    return name.empty() ? location.name : name;
+}
+
 void reportDefects(Level& level, const Bsp& bsp, const ShaderLibrary& shaders) {
     std::vector<std::string>& warnings = level.statistics.warnings;
     for (const std::string& warning : level.files->warnings()) warnings.push_back(warning);
@@ -64,34 +70,42 @@ Result<Level> loadLevel(Location location, const LoadOptions& options) {
 }
 
 Result<Level> loadLevel(std::span<const std::byte> bytes, Location location, const LoadOptions& options) {
-    Level level;
-    StageClock clock(level.statistics);
-    level.files = std::make_shared<const Vfs>(std::move(location.files));
-    level.name = stem(location.name);
-    level.file = level.files->origin(location.name);
-    if (level.file.empty()) level.file = location.name;
-
-    const Result<Bsp> bsp = readBsp(bytes, level.file);
+    LoadStatistics reading;
+    StageClock clock(reading);
+    Result<Bsp> bsp = readBsp(bytes, nameOf(location));
     if (!bsp) return bsp.error();
-    level.statistics.dialect = dialect(bytes);
-    countLumps(*bsp, level.statistics);
-    if (const std::optional<Error> error = addEntities(level, *bsp, location.name)) return *error;
-    addTree(level, *bsp);
-    addModels(level, *bsp);
+    LevelRecords records{std::move(*bsp), {}, dialect(bytes), {}, {}};
     clock.done("parse");
-
-    const ShaderLibrary shaders = ShaderLibrary::load(*level.files);
-    addFogs(level, *bsp, shaders);
+    records.shaders = ShaderLibrary::load(location.files);
     clock.done("shaders");
+    records.times = reading.times;
+    return makeLevel(std::move(records), std::move(location), options);
+}
 
-    const AssemblyInput input{*bsp, shaders, options};
+Result<Level> makeLevel(LevelRecords records, Location location, const LoadOptions& options) {
+    Level level;
+    level.statistics.dialect = std::move(records.dialect);
+    level.statistics.warnings = std::move(records.warnings);
+    level.statistics.times = std::move(records.times);
+    StageClock clock(level.statistics);
+    level.name = stem(location.name);
+    level.file = nameOf(location);
+    level.files = std::make_shared<const Vfs>(std::move(location.files));
+
+    countLumps(records.bsp, level.statistics);
+    if (const std::optional<Error> error = addEntities(level, records.bsp, location.name)) return *error;
+    addTree(level, records.bsp);
+    addModels(level, records.bsp);
+    addFogs(level, records.bsp, records.shaders);
+
+    const AssemblyInput input{records.bsp, records.shaders, options};
     if (const std::optional<Error> error = addSurfaces(level, input)) return *error;
     addLightmaps(level, input);
     addDrawnStatistics(level);
     clock.done("surfaces");
 
     addTextures(level, options);
-    reportDefects(level, *bsp, shaders);
+    reportDefects(level, records.bsp, records.shaders);
     clock.done("images");
     return level;
 }

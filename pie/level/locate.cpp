@@ -53,7 +53,7 @@ std::string knownMaps(const Vfs& files) {
 
 Result<Location> locateByName(const std::string& level, const fs::path& game, Vfs files) {
     std::string name = level;
-    if (!endsWithNoCase(name, ".bsp")) name += ".bsp";
+    if (!endsWithNoCase(name, ".bsp") && !endsWithNoCase(name, ".map")) name += ".bsp";
     if (!files.contains(name) && files.contains("maps/" + name)) name = "maps/" + name;
     if (!files.contains(name))
         return Error{level, "", fmt::format("no such map in {}", game.string()), knownMaps(files)};
@@ -108,7 +108,7 @@ Result<Location> locate(const std::string& level, const fs::path& game, const st
     if (!searchFolders.empty() && level.find('/') == std::string::npos)
         return locateByName(level, searchFolders.back(), std::move(files));
     return Error{level, "", "no such file",
-                 "a level is a .bsp on disk, some.pk3/maps/x.bsp, or a map name with a game directory"};
+                 "a level is a .bsp or .map on disk, some.pk3/maps/x.bsp, or a map name with a game directory"};
 }
 
 } // namespace pie::level
