@@ -48,7 +48,7 @@ textures/common/clip
 textures/pie/lamp
 {
 	qer_editorimage textures/pie/lamp.png
-	q3map_lightRGB 1 0.94 0.84
+	q3map_lightRGB 1 0.96 0.90
 	q3map_surfacelight 2000
 	surfaceparm nomarks
 	surfaceparm nolightmap
@@ -62,8 +62,8 @@ textures/pie/lamp
 textures/pie/lamp_dim
 {
 	qer_editorimage textures/pie/lamp.png
-	q3map_lightRGB 1 0.94 0.84
-	q3map_surfacelight 1200
+	q3map_lightRGB 1 0.96 0.90
+	q3map_surfacelight 1100
 	surfaceparm nomarks
 	surfaceparm nolightmap
 	{
