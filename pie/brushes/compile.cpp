@@ -13,6 +13,7 @@
 #include <cmath>
 #include <deque>
 #include <iterator>
+#include <set>
 
 namespace pie::brushes {
 namespace {
@@ -55,6 +56,7 @@ public:
 
     Result<CompiledMap> compile() {
         gather();
+        reportKeys();
         if (parts_.empty()) return Error{fileName_, "", "has no worldspawn with brushes or patches", ""};
         done("brushes");
         const Part& world = parts_.front();
@@ -127,6 +129,31 @@ private:
             if (!ofWorld && !middle.empty()) part.origin = 0.5 * (middle.lower + middle.upper);
             std::erase_if(part.brushes, [](const Brush& brush) { return brush.origin; });
         }
+    }
+
+    /// What an author may have hoped for and nobody reads, each once.
+    void reportKeys() {
+        static constexpr std::array<std::string_view, 34> known = {
+            "classname",   "origin",     "light",         "_light",       "_color",    "target",       "targetname",
+            "radius",      "spawnflags", "fade",          "scale",        "_samples",  "_extradist",   "extradist",
+            "_anglescale", "_deviance",  "_filterradius", "_filteradius", "_filter",   "_flareshader", "_flare",
+            "_sun",        "_style",     "style",         "angle",        "angles",    "mangle",       "notfree",
+            "notteam",     "notsingle",  "gametype",      "_tb_layer",    "_tb_group", "_tb_name"};
+        std::set<std::string> reported;
+        std::size_t models = 0;
+        int firstModel = 0;
+        for (const MapEntity& entity : map_.entities) {
+            if (level::equalNoCase(entity.entity.className(), "misc_model") && models++ == 0) firstModel = entity.line;
+            if (!level::startsWithNoCase(entity.entity.className(), "light")) continue;
+            for (const auto& [key, value] : entity.entity.pairs) {
+                const std::string name = level::lower(key);
+                if (std::find(known.begin(), known.end(), name) == known.end() && reported.insert(name).second)
+                    warn(entity.line, fmt::format("a light has a key '{}' that nothing reads", key));
+            }
+        }
+        if (models > 0)
+            warn(firstModel,
+                 fmt::format("{} misc_model: models are not read from .map text; a compiled .bsp has them", models));
     }
 
     void addBrush(Part& part, const BrushText& text) {

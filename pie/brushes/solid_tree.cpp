@@ -51,10 +51,10 @@ public:
         std::array<Plane, 6> box;
         for (int axis = 0; axis < 3; ++axis) {
             // Facing out of the world.
-            box.at(static_cast<std::size_t>(2 * axis)) = axial(axis, world.upper[axis]);
+            box.at(2 * static_cast<std::size_t>(axis)) = axial(axis, world.upper[axis]);
             Plane lower = axial(axis, -world.lower[axis]);
             lower.normal = -lower.normal;
-            box.at(static_cast<std::size_t>(2 * axis + 1)) = lower;
+            box.at(2 * static_cast<std::size_t>(axis) + 1) = lower;
         }
         for (const Plane& plane : box) {
             Polygon polygon = wholePlane(plane);

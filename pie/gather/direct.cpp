@@ -167,6 +167,7 @@ void DirectLight::compute(std::span<const std::uint32_t> which, std::span<Rgb> i
     BatchTracer tracer(*context_);
     RayBatch batch;
     std::vector<DirectJob*> running;
+    running.reserve(jobs.size());
     for (DirectJob& job : jobs) running.push_back(&job);
     std::uint64_t rays = 0;
     while (!running.empty()) {

@@ -151,6 +151,16 @@ TEST(Compile, DefectsAreReportedOnceEachAndTheRestLoads) {
     EXPECT_THAT(none.error().message(), HasSubstr("no worldspawn with brushes"));
 }
 
+TEST(Compile, KeysOfLightsThatNobodyReadsAreNamedOnce) {
+    const std::string odd = test::entityText({{"classname", "light"}, {"origin", "0 0 32"}, {"ligth", "300"}});
+    const level::Level level =
+        loaded(test::levelText(test::roomText({-128, -96, 0}, {128, 96, 128}), {0, 0, 64}) + odd + odd +
+               test::entityText({{"classname", "misc_model"}, {"origin", "0 0 32"}, {"model", "x.md3"}}));
+    ASSERT_EQ(level.statistics.warnings.size(), 2U);
+    EXPECT_THAT(level.statistics.warnings[0], HasSubstr("key 'ligth'"));
+    EXPECT_THAT(level.statistics.warnings[1], HasSubstr("1 misc_model"));
+}
+
 TEST(Compile, TheFileGivesBackTheSameTriangles) {
     const std::string text =
         test::levelText(test::roomText({-128, -96, 0}, {128, 96, 128}) + test::boxText({-16, -16, 0}, {16, 16, 128}),

@@ -335,7 +335,7 @@ TEST(DirectLight, TheTailIsUnbiased) {
     lit.receivers.points[0] = receiverAt({100.0F, 100.0F, 0.0F}, up);
     lit.options.exhaustive = true;
     lit.options.softness = 1;
-    const double expected = static_cast<double>(lit.first());
+    const auto expected = static_cast<double>(lit.first());
     lit.options.exhaustive = false;
     lit.options.absoluteTolerance = 1e6F;
     lit.options.tailSamples = 1;

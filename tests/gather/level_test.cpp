@@ -55,7 +55,7 @@ TEST(ShippedLevel, DirectLightIsNearTheTestOfEveryLight) {
     double sum = 0;
     int count = 0;
     for (std::size_t i = 0; i < which.size(); ++i) {
-        const double truth = static_cast<double>(meanChannel(reference[i]));
+        const auto truth = static_cast<double>(meanChannel(reference[i]));
         if (truth < 1) continue;
         const double error = static_cast<double>(meanChannel(fast[i])) / truth - 1;
         sumSquared += error * error;

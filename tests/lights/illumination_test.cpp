@@ -20,7 +20,7 @@ Rgb at(const Light& light, const Vec3& point, const Vec3& normal = {0, 0, 1}) {
 }
 
 TEST(Illumination, EntityFormulasOfTheLevelCompiler) {
-    const float watts = static_cast<float>(4.0 * pi * 7500.0 * 300.0);
+    const auto watts = static_cast<float>(4.0 * pi * 7500.0 * 300.0);
     Falloff falloff;
     PointLight light{{0, 0, 100}, Rgb(watts), falloff};
     EXPECT_NEAR(at(light, {0, 0, 0}).x, 7500.0 * 300.0 / 1e4, 1e-2);

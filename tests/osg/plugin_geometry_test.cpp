@@ -15,7 +15,6 @@ namespace {
 
 using namespace pie;
 using namespace pie::test;
-using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 /// The level as it is in the file: no refinement.

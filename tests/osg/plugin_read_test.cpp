@@ -137,7 +137,8 @@ TEST(PluginRead, DamagedFilesAreOneClearLine) {
     const std::string whole = fileOf(room());
     expectError(readLevel(game.folder().write("maps/empty.bsp", "")), "empty.bsp");
     expectError(readLevel(game.folder().write("maps/text.bsp", "this is no level")), "text.bsp");
-    for (const char* magic : {"IBSP\x2f", "RBSP\x01", "FBSP\x01", "IBSP\x26"}) {
+    for (const char* magic :
+         {"IBSP\x2f", "RBSP\x01", "FBSP\x01", "IBSP\x26"}) { // NOLINT(modernize-raw-string-literal): bytes
         std::string other = whole;
         other.replace(0, 5, magic);
         expectError(readLevel(game.folder().write("maps/other.bsp", other)), "other.bsp");

@@ -16,7 +16,6 @@ namespace {
 using namespace pie;
 using namespace pie::test;
 using Viewer = osgViewer::ViewerBase;
-using ::testing::IsEmpty;
 
 constexpr Rgba8 floorColour{200, 100, 50, 255};
 constexpr float half = 256;
