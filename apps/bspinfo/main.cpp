@@ -26,7 +26,7 @@ void describe(CLI::App& app, Arguments& arguments) {
                "Lengths are in level units, power in watts (1 watt per square unit is one lightmap unit), times in "
                "milliseconds.\n"
                "Exit status: 0 the level was read, 1 it could not be, 2 wrong arguments.");
-    app.add_option("LEVEL", arguments.level, "a .bsp on disk or inside a pk3 (some.pk3/maps/x.bsp)");
+    app.add_option("LEVEL", arguments.level, "a .bsp or .map on disk, or inside a pk3 (some.pk3/maps/x.bsp)");
     app.add_option("--map", arguments.map, "name of a map in the game directory, instead of LEVEL");
     app.add_option("--game", arguments.game, "game directory (default: the one around the level)");
     app.add_option("--textures", arguments.textures, "more game directories, searched after the level's own");

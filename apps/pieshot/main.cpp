@@ -170,10 +170,12 @@ void writePicture(const osg::Image& image, const std::string& output) {
 
 osg::ref_ptr<osg::Node> readLevel(const Arguments& arguments, const std::string& options) {
     osg::ref_ptr readOptions = new osgDB::Options(options);
-    const std::string name =
-        arguments.map.empty()
-            ? arguments.level
-            : arguments.map + (osgDB::getLowerCaseFileExtension(arguments.map) == "bsp" || osgDB::getLowerCaseFileExtension(arguments.map) == "map" ? "" : ".bsp");
+    const std::string name = arguments.map.empty()
+                                 ? arguments.level
+                                 : arguments.map + (osgDB::getLowerCaseFileExtension(arguments.map) == "bsp" ||
+                                                            osgDB::getLowerCaseFileExtension(arguments.map) == "map"
+                                                        ? ""
+                                                        : ".bsp");
     auto result = osgDB::Registry::instance()->readNode(name, readOptions);
     if (!result.validNode())
         fail(result.message().empty() ? fmt::format("{}: not found, or no level", name) : result.message());
@@ -237,7 +239,8 @@ int run(int argc, char** argv) {
                  "  pieshot pak1-maps.pk3/maps/oa_dm1.bsp out.png --camera \"0 0 64 90 0\" --set view=baked\n"
                  "  pieshot --game baseoa --map oa_dm1 out.png --stats"};
     std::vector<std::string> places;
-    app.add_option("LEVEL OUT.png", places, "level (a .bsp on disk or inside a pk3; not with --map) and picture")
+    app.add_option("LEVEL OUT.png", places,
+                   "level (a .bsp or .map on disk or inside a pk3; not with --map) and picture")
         ->expected(1, 2)
         ->required();
     app.add_option("--frames", arguments.frames,

@@ -126,7 +126,7 @@ void BspWriter::addPatch(const PatchText& patch, std::uint32_t mapShader, const 
             level::BspVertex vertex;
             vertex.position = toFloat(control.position - origin);
             vertex.texture = Vec2(static_cast<float>(control.texture[0]), static_cast<float>(control.texture[1]));
-            vertex.normal = length > 0 ? toFloat(normal / length) : Vec3(0, 0, 1);
+            vertex.normal = length > 0 ? toFloat(normal / length) : Vec3(0.0F); // the tessellation mends it
             bsp.vertices.push_back(vertex);
             lower = glm::min(lower, control.position - origin);
             upper = glm::max(upper, control.position - origin);

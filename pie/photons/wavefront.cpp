@@ -160,10 +160,12 @@ void Wavefront::meet(Step& step, Path& path, const Ray& ray, const Hit& hit) con
         return;
     }
     // A plane cannot meet a ray that left it: rounding.
-    if (hit.triangle == path.from && path.crossings < maxCrossings) return goOn(step, path, ray, hit.t);
+    if (hit.triangle == path.from && path.crossings < maxCrossings) return goOn(step, path, ray, hit.t, 1e-4F);
     if (matter.interaction == scene::Interaction::Filter && path.crossings < maxCrossings && passes(step, path, hit)) {
         ++counts.filtered;
-        return goOn(step, path, ray, hit.t);
+        // From just behind it: a wall may stand there. Rounding that brings the filter back is the case above.
+        path.from = hit.triangle;
+        return goOn(step, path, ray, hit.t, 1e-6F);
     }
 
     float cosine = -glm::dot(face.normal, ray.direction);
@@ -212,11 +214,10 @@ bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
     return passed;
 }
 
-void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t) const {
+void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t, float share) const {
     ++path.crossings;
     Ray next = ray;
-    next.tMin = t + offsetAt(ray.origin);
-    if (!(next.tMin > t)) next.tMin = std::nextafter(t, std::numeric_limits<float>::infinity());
+    next.tMin = std::nextafter(t + share * t, std::numeric_limits<float>::infinity());
     step.nextRays.push_back(next);
     step.nextPaths.push_back(path);
 }

@@ -63,7 +63,8 @@ private:
     [[nodiscard]] float offsetAt(const Vec3& origin) const;
     void meet(Step& step, Path& path, const intersect::Ray& ray, const intersect::Hit& hit) const;
     [[nodiscard]] bool passes(Step& step, Path& path, const intersect::Hit& hit) const;
-    void goOn(Step& step, Path path, const intersect::Ray& ray, float t) const;
+    /// The same ray again, from behind `t` by this share of it.
+    void goOn(Step& step, Path path, const intersect::Ray& ray, float t, float share) const;
     void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance) const;
     void send(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Vec2& u) const;
 

@@ -221,4 +221,24 @@ TEST(Compile, NoPhotonLeavesAClosedLevel) {
     EXPECT_GT(counts.stored, 200'000U);
 }
 
+/// A pane that fills an opening: behind it, right beside the way of many photons, stand the jambs.
+TEST(Compile, NoPhotonLeavesBesideAFilter) {
+    const std::string filter = "textures/t/pane\n{\nsurfaceparm trans\nsurfaceparm lightfilter\ncull none\n{\nmap "
+                               "t/pane.tga\nblendFunc filter\n}\n}\n";
+    std::string pixel(18, '\0'); // an uncompressed TGA of one pixel
+    pixel[2] = 2;
+    pixel[12] = pixel[14] = 1;
+    pixel[16] = 24;
+    pixel += "\x90\x90\xC0";
+    std::string text = test::roomText({-256, -128, 0}, {256, 128, 128});
+    text += test::boxText({-8, -128, 0}, {8, -32, 128}) + test::boxText({-8, 32, 0}, {8, 128, 128}) +
+            test::boxText({-8, -32, 96}, {8, 32, 128});
+    text += test::boxText({-1, -32, 0}, {1, 32, 96}, "t/pane");
+    const level::Level level =
+        loaded(test::levelText(text, {100, 0, 64}), {{"scripts/t.shader", filter}, {"t/pane.tga", pixel}});
+    const photons::TraceCounts counts = test::traceLevel(level, 1'000'000);
+    EXPECT_EQ(counts.escaped, 0U);
+    EXPECT_GT(counts.filtered, 100'000U);
+}
+
 } // namespace
