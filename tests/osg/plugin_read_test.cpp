@@ -10,6 +10,7 @@
 #include <osgDB/Registry>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -130,6 +131,47 @@ TEST(PluginRead, OtherExtensionsAreLeftToOthers) {
               Status::FILE_NOT_HANDLED);
     EXPECT_TRUE(reader->readNode(game.addLevel("room", room()), nullptr).validNode()) << "without any options";
     EXPECT_TRUE(reader->readObject(game.addLevel("room", room()), nullptr).validNode());
+}
+
+/// A cube of 256 units seen from inside, as an editor writes it: six slabs around it.
+std::string mapOfARoom() {
+    std::string text = "{\n\"classname\" \"worldspawn\"\n";
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int side : {-1, 1}) {
+            // Faces of the slab: p0 - p1 and p2 - p1 run along the two other axes.
+            text += "{\n";
+            for (int k = 0; k < 3; ++k)
+                for (const int end : {-1, 1}) {
+                    int at = 144 * end;
+                    if (k == axis) at = end == side ? 144 * side : 128 * side;
+                    std::array<std::array<int, 3>, 3> points{};
+                    for (auto& point : points) point.at(static_cast<std::size_t>(k)) = at;
+                    points[0].at(static_cast<std::size_t>((k + 1) % 3)) = 64;
+                    points[2].at(static_cast<std::size_t>((k + 2) % 3)) = 64 * end;
+                    for (const auto& point : points)
+                        text += "( " + std::to_string(point[0]) + " " + std::to_string(point[1]) + " " +
+                                std::to_string(point[2]) + " ) ";
+                    text += "t/wall 0 0 0 0.5 0.5 0 0 0\n";
+                }
+            text += "}\n";
+        }
+    return text + "}\n{\n\"classname\" \"light\"\n\"origin\" \"0 0 0\"\n}\n";
+}
+
+TEST(PluginRead, MapTextIsReadByItsOwnPlugin) {
+    const Game game;
+    const std::string file = game.folder().write("maps/room.map", mapOfARoom());
+    ReaderWriter::ReadResult result = readLevel(file, "view=light max_edge=64");
+    ASSERT_TRUE(result.validNode()) << result.message();
+    EXPECT_NEAR(areaOf(trianglesOf(*result.getNode())), 6 * 256.0 * 256, 1);
+    ReaderWriter::ReadResult plain = readLevel(file, "view=baked");
+    ASSERT_TRUE(plain.validNode());
+    EXPECT_EQ(trianglesOf(*plain.getNode()).size(), 12U);
+    ReaderWriter::ReadResult bad =
+        readLevel(game.folder().write("maps/bad.map", "{\n\"classname\" \"worldspawn\"\n}\n"));
+    EXPECT_EQ(bad.status(), Status::ERROR_IN_READING_FILE);
+    EXPECT_THAT(bad.message(), AllOf(HasSubstr("[map] "), HasSubstr("bad.map"), HasSubstr("no worldspawn with brushes"),
+                                     Not(HasSubstr("\n"))));
 }
 
 TEST(PluginRead, DamagedFilesAreOneClearLine) {
