@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -75,10 +76,11 @@ void BspWriter::addPolygon(const Polygon& polygon, const Side& side, const FaceT
     face.lightmap = level::vertexLit;
     face.normal = toFloat(normal);
     // The file keeps corners clockwise.
-    for (auto corner = corners.rbegin(); corner != corners.rend(); ++corner) {
-        const glm::dvec2 st = mapping.at(*corner) - repeats;
+    std::reverse(corners.begin(), corners.end());
+    for (const glm::dvec3& corner : corners) {
+        const glm::dvec2 st = mapping.at(corner) - repeats;
         level::BspVertex vertex;
-        vertex.position = toFloat(*corner - origin);
+        vertex.position = toFloat(corner - origin);
         vertex.texture = Vec2(static_cast<float>(st.x), static_cast<float>(st.y));
         vertex.normal = face.normal;
         bsp.vertices.push_back(vertex);
@@ -101,14 +103,12 @@ void BspWriter::addPatch(const PatchText& patch, std::uint32_t mapShader, const 
     face.firstMeshVertex = static_cast<std::int32_t>(bsp.meshVertices.size());
     face.lightmap = level::vertexLit;
     face.patchSize = {patch.width, patch.height};
-    const auto at = [&](int x, int y) -> const glm::dvec3& {
-        return patch.controls[static_cast<std::size_t>(y * patch.width + x)].position;
-    };
+    const auto at = [&](int x, int y) -> const glm::dvec3& { return patch.at(x, y).position; };
     glm::dvec3 lower(1e30);
     glm::dvec3 upper(-1e30);
     for (int y = 0; y < patch.height; ++y)
         for (int x = 0; x < patch.width; ++x) {
-            const PatchText::Control& control = patch.controls[static_cast<std::size_t>(y * patch.width + x)];
+            const PatchText::Control& control = patch.at(x, y);
             // Along the grid's two directions, over the nearest neighbours that are elsewhere.
             const auto along = [&](int dx, int dy) {
                 int back = 0;

@@ -284,7 +284,7 @@ private:
         for (int column = 0; column < patch.width; ++column) {
             if (auto fault = expect("(")) return fault;
             for (int row = 0; row < patch.height; ++row) {
-                PatchText::Control& control = patch.controls[static_cast<std::size_t>(row * patch.width + column)];
+                PatchText::Control& control = patch.at(column, row);
                 if (auto fault = expect("(")) return fault;
                 glm::dvec3& p = control.position;
                 if (auto fault = numbers(p.x, p.y, p.z, control.texture[0], control.texture[1])) return fault;

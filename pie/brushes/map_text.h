@@ -55,6 +55,14 @@ struct PatchText {
     std::vector<Control> controls; ///< row by row: `height` rows of `width`
     std::int32_t contents = 0;
     int line = 0;
+
+    [[nodiscard]] const Control& at(int column, int row) const { return controls[place(column, row)]; }
+    [[nodiscard]] Control& at(int column, int row) { return controls[place(column, row)]; }
+
+private:
+    [[nodiscard]] std::size_t place(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+    }
 };
 struct MapEntity {
     level::Entity entity;

@@ -39,7 +39,7 @@ std::optional<Plane> planeThrough(const std::array<glm::dvec3, 3>& points) {
     return plane;
 }
 
-std::uint32_t PlaneSet::find(Plane plane) {
+std::uint32_t PlaneSet::find(const Plane& plane) {
     const std::int64_t home = bucketOf(plane.distance);
     for (std::int64_t near = home - 1; near <= home + 1; ++near) {
         const auto [begin, end] = byDistance_.equal_range(near);

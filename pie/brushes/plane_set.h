@@ -32,7 +32,7 @@ struct Plane {
 class PlaneSet {
 public:
     /// Number of the plane; one that differs by less than 1e-5 in the normal and 0.01 in the distance is the same.
-    [[nodiscard]] std::uint32_t find(Plane plane);
+    [[nodiscard]] std::uint32_t find(const Plane& plane);
     [[nodiscard]] const Plane& operator[](std::uint32_t number) const { return planes_[number]; }
     [[nodiscard]] std::size_t size() const { return planes_.size(); }
 

@@ -22,7 +22,7 @@ struct Bundled {
     std::size_t leastTriangles, mostTriangles;
     bool sky;
 };
-void PrintTo(const Bundled& level, std::ostream* out) { *out << level.name; }
+std::ostream& operator<<(std::ostream& out, const Bundled& level) { return out << level.name; }
 
 class BundledLevels : public ::testing::TestWithParam<Bundled> {
 protected:
