@@ -391,6 +391,12 @@ private:
         bsp.visibility.bits.front() = 1;
     }
 
+    /// A word without quotes may hold one; inside quotes it would end there.
+    static std::string plain(std::string text) {
+        std::replace(text.begin(), text.end(), '"', '\'');
+        return text;
+    }
+
     void writeEntities() {
         std::size_t model = 0;
         std::vector<std::size_t> modelOf(map_.entities.size(), 0);
@@ -406,7 +412,7 @@ private:
             for (const auto& [key, value] : entity.pairs) {
                 if (modelOf[i] > 0 && level::equalNoCase(key, "model")) continue;
                 if (placed && level::equalNoCase(key, "origin")) continue;
-                writer_.bsp.entities += fmt::format("\"{}\" \"{}\"\n", key, value);
+                writer_.bsp.entities += fmt::format("\"{}\" \"{}\"\n", plain(key), plain(value));
             }
             if (modelOf[i] > 0) writer_.bsp.entities += fmt::format("\"model\" \"*{}\"\n", modelOf[i]);
             if (placed) {

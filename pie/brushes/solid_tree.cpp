@@ -174,7 +174,7 @@ SolidTree::SolidTree(std::span<const Fragment> surfaces, std::span<const Brush> 
     }
 }
 
-std::uint32_t SolidTree::choose(const std::vector<Face>& faces, const Bounds& bounds, int depth) const {
+std::uint32_t SolidTree::choose(const std::vector<Face>& faces, int depth) const {
     std::uint32_t best = faces.front().plane;
     double bestValue = -std::numeric_limits<double>::max();
     const std::size_t step = std::max<std::size_t>(1, faces.size() / candidates);
@@ -206,7 +206,6 @@ std::uint32_t SolidTree::choose(const std::vector<Face>& faces, const Bounds& bo
             best = faces[c].plane;
         }
     }
-    static_cast<void>(bounds);
     return best;
 }
 
@@ -222,7 +221,7 @@ std::int32_t SolidTree::build(std::vector<Face> faces, const Bounds& bounds, int
             bounds.upper[axis] - bounds.lower[axis] > block)
             plane = planes_.find(axial(axis, middle));
     }
-    if (!plane) plane = choose(faces, bounds, depth);
+    if (!plane) plane = choose(faces, depth);
     // The pair's even plane may face either way; the tree's front is that plane's.
     const Plane cut = planes_[*plane];
     std::array<std::vector<Face>, 2> parts;

@@ -32,7 +32,7 @@ public:
         Bounds bounds;
         std::vector<std::uint32_t> portals;
     };
-    /// Leaves on both sides of an opening; noLeaf: the world's end.
+    /// Cells on both sides of an opening: leaf -(cell + 1), or the lowest number for the world's end.
     struct Portal {
         Polygon polygon;
         std::array<std::int32_t, 2> cells{};
@@ -60,7 +60,7 @@ private:
         Polygon polygon;
     };
     std::int32_t build(std::vector<Face> faces, const Bounds& bounds, int depth);
-    [[nodiscard]] std::uint32_t choose(const std::vector<Face>& faces, const Bounds& bounds, int depth) const;
+    [[nodiscard]] std::uint32_t choose(const std::vector<Face>& faces, int depth) const;
     void makePortals(const Bounds& world);
 
     PlaneSet& planes_;

@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace pie::level {
 namespace {
 
-Error at(const std::string& file, const std::string& place, const Token& token, const std::string& why) {
-    return Error{file, fmt::format("{}, line {}, column {}", place, token.line, token.column), why, ""};
+Error at(const std::string& file, const std::string& place, const Token& token, std::string why) {
+    std::replace(why.begin(), why.end(), '\n', ' '); // quoted words may hold line ends, messages not
+    return Error{file, fmt::format("{}, line {}, column {}", place, token.line, token.column), std::move(why), ""};
 }
 
 } // namespace

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include <random>
+
 namespace {
 
 using namespace pie;
@@ -120,6 +122,28 @@ TEST(MapText, TextThatIsNoMapIsAnError) {
         const Result<MapText> map = parseMap(text, "x.map");
         ASSERT_FALSE(map) << text;
         EXPECT_THAT(map.error().message(), HasSubstr("x.map"));
+    }
+}
+
+/// Whatever a text loses or has changed: an answer, and no crash.
+TEST(MapText, DamagedTextIsReadOrRefused) {
+    const std::string whole =
+        world + test::boxText({0, 0, 0}, {64, 64, 64}) + "{\npatchDef2\n{\na\n( 3 3 0 0 0 )\n(\n" +
+        "( ( 0 0 0 0 0 ) ( 0 1 0 0 0 ) ( 0 2 0 0 0 ) )\n( ( 1 0 0 0 0 ) ( 1 1 0 0 0 ) ( 1 2 0 0 0 ) )\n" +
+        "( ( 2 0 0 0 0 ) ( 2 1 0 0 0 ) ( 2 2 0 0 0 ) )\n)\n}\n}\n}\n" + test::entityText({{"classname", "light"}});
+    std::size_t read = 0;
+    for (std::size_t cut = 0; cut < whole.size(); ++cut) read += parseMap(whole.substr(0, cut), "x.map") ? 1 : 0;
+    EXPECT_GT(read, whole.size() / 2);
+    std::mt19937 random(5);
+    const std::string odd = "{}()[]\"\n x9-.";
+    for (int i = 0; i < 3000; ++i) {
+        std::string text = whole;
+        for (int k = 0; k < 1 + i % 4; ++k) text[random() % text.size()] = odd[random() % odd.size()];
+        const Result<level::Level> level = test::loadMapText(text);
+        if (!level) {
+            EXPECT_FALSE(level.error().message().empty());
+            EXPECT_EQ(level.error().message().find('\n'), std::string::npos);
+        }
     }
 }
 
