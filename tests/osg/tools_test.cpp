@@ -85,6 +85,24 @@ TEST_F(Tools, OsgconvListsTheOptions) {
                                   HasSubstr("photons_from_light=<integer>"), HasSubstr("max_edge=<number>")));
 }
 
+TEST_F(Tools, CompiledMapsAreReadByOsgsOwnReader) {
+    for (const char* name : {"small", "normal", "curves"}) {
+        SCOPED_TRACE(name);
+        const std::string bsp = path(std::string(name) + ".bsp");
+        const std::string map = std::string(PIE_LEVELS) + "/maps/" + name + ".map";
+        const CommandResult compiled = run({MAPLEVEL, map, bsp}, {{}, "", 60});
+        ASSERT_EQ(compiled.status, 0) << compiled.err;
+        EXPECT_EQ(compiled.err, "");
+        const CommandResult result = run({"osgconv", bsp, path("stock.osgt")}, {{{"OSG_LIBRARY_PATH", ""}}, "", 60});
+        if (result.status == notInstalled) GTEST_SKIP() << "needs osgconv: apt-get install openscenegraph";
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_THAT(readText(path("stock.osgt")), HasSubstr("osg::Geometry"));
+        const CommandResult again = run({MAPLEVEL, map, path("none/x.bsp")}, {{}, "", 60});
+        EXPECT_EQ(again.status, 1);
+        EXPECT_THAT(again.err, HasSubstr("cannot be written"));
+    }
+}
+
 TEST_F(Tools, OsgconvWritesAStaticSceneWithoutWarnings) {
     const double area = areaOf(trianglesOf(*readNode(level(), "view=baked")));
     for (const char* options : {"settle=true photons_from_light=500", "view=baked", "view=lit"})
