@@ -25,15 +25,16 @@ public:
         : LevelReader("bsp", "Quake 3 level, lit by photons (other dialects: OpenSceneGraph's own reader)") {}
 
 protected:
-    [[nodiscard]] ReadResult readForeign(const std::string& file, const Options* options) const override {
+    [[nodiscard]] std::optional<ReadResult> readForeign(const std::string& file,
+                                                        const Options* options) const override {
         std::array<char, 4> magic{};
         std::ifstream stream(file, std::ios::binary);
-        if (!stream.read(magic.data(), magic.size()) || !startsWithValve(magic)) return ReadResult::FILE_NOT_HANDLED;
+        if (!stream.read(magic.data(), magic.size()) || !startsWithValve(magic)) return std::nullopt;
         return delegate([&](osgDB::ReaderWriter& stock) { return stock.readNode(file, options); });
     }
-    [[nodiscard]] ReadResult readForeign(std::istream& stream, std::span<const char> bytes,
-                                         const Options* options) const override {
-        if (!startsWithValve(bytes)) return ReadResult::FILE_NOT_HANDLED;
+    [[nodiscard]] std::optional<ReadResult> readForeign(std::istream& stream, std::span<const char> bytes,
+                                                        const Options* options) const override {
+        if (!startsWithValve(bytes)) return std::nullopt;
         stream.clear();
         stream.seekg(0);
         return delegate([&](osgDB::ReaderWriter& stock) { return stock.readNode(stream, options); });

@@ -65,8 +65,7 @@ LevelReader::ReadResult LevelReader::readNode(const std::string& name, const Opt
     // A level inside an archive ("x.pk3/maps/y.bsp") or of a game directory is no file that osgDB could find.
     const std::string file = found.empty() ? name : found;
     if (!found.empty())
-        if (const ReadResult foreign = readForeign(found, options); foreign.status() != ReadResult::FILE_NOT_HANDLED)
-            return foreign;
+        if (const std::optional<ReadResult> foreign = readForeign(found, options)) return *foreign;
     const auto settings = readSettings(options);
     if (!settings) return failure(settings.error());
     if (found.empty() && settings->game.empty() && !isInArchive(name)) return ReadResult::FILE_NOT_FOUND;
@@ -75,8 +74,7 @@ LevelReader::ReadResult LevelReader::readNode(const std::string& name, const Opt
 
 LevelReader::ReadResult LevelReader::readNode(std::istream& stream, const Options* options) const {
     const std::vector<char> text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    if (const ReadResult foreign = readForeign(stream, text, options); foreign.status() != ReadResult::FILE_NOT_HANDLED)
-        return foreign;
+    if (const std::optional<ReadResult> foreign = readForeign(stream, text, options)) return *foreign;
     const auto settings = readSettings(options);
     if (!settings) return failure(settings.error());
     std::vector<std::byte> bytes(text.size());
@@ -86,13 +84,14 @@ LevelReader::ReadResult LevelReader::readNode(std::istream& stream, const Option
     return finish(loadLevelNode(bytes, (std::filesystem::path(folder) / ("stream." + extension_)).string(), *settings));
 }
 
-LevelReader::ReadResult LevelReader::readForeign(const std::string& /*file*/, const Options* /*options*/) const {
-    return ReadResult::FILE_NOT_HANDLED;
+std::optional<LevelReader::ReadResult> LevelReader::readForeign(const std::string& /*file*/,
+                                                                const Options* /*options*/) const {
+    return std::nullopt;
 }
 
-LevelReader::ReadResult LevelReader::readForeign(std::istream& /*stream*/, std::span<const char> /*bytes*/,
-                                                 const Options* /*options*/) const {
-    return ReadResult::FILE_NOT_HANDLED;
+std::optional<LevelReader::ReadResult>
+LevelReader::readForeign(std::istream& /*stream*/, std::span<const char> /*bytes*/, const Options* /*options*/) const {
+    return std::nullopt;
 }
 
 pie::Result<pie::engine::Settings> LevelReader::readSettings(const Options* options) const {

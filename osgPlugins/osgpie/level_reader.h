@@ -7,6 +7,7 @@
 
 #include <osgDB/ReaderWriter>
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -25,10 +26,10 @@ public:
     [[nodiscard]] const char* className() const override { return className_.c_str(); }
 
 protected:
-    /// For files that belong to another reader; FILE_NOT_HANDLED: this one is ours. `file` exists.
-    [[nodiscard]] virtual ReadResult readForeign(const std::string& file, const Options* options) const;
-    [[nodiscard]] virtual ReadResult readForeign(std::istream& stream, std::span<const char> bytes,
-                                                 const Options* options) const;
+    /// What another reader says of files that belong to it; nothing: the file is ours. `file` exists.
+    [[nodiscard]] virtual std::optional<ReadResult> readForeign(const std::string& file, const Options* options) const;
+    [[nodiscard]] virtual std::optional<ReadResult> readForeign(std::istream& stream, std::span<const char> bytes,
+                                                                const Options* options) const;
     [[nodiscard]] const std::string& prefix() const { return prefix_; }
 
 private:
