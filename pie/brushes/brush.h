@@ -26,7 +26,6 @@ struct Brush {
     bool hides = false;      ///< solid and opaque: removes the faces of others that lie inside
     bool structural = false; ///< splits the level's tree
     bool origin = false;     ///< marks the centre of its entity
-    std::int32_t contentFlags = 0;
 };
 
 /// Cuts each face to the part that bounds the brush. Nothing, with a reason, if no volume is left. Only sides and

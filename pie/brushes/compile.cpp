@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <deque>
@@ -174,7 +175,6 @@ private:
             brush->origin = brush->origin || shader.origin;
             brush->structural =
                 brush->structural && (text.faces[side.face].contents & detail) == 0 && shader.shader.parms.structural;
-            brush->contentFlags |= shader.contentFlags;
         }
         brush->structural = brush->structural && brush->hides;
         part.brushes.push_back(std::move(*brush));
