@@ -4,15 +4,13 @@
 //   advance()     update stage: traces the photons of this frame and renews the photon map;
 //   irradiance()  draw stage, any thread, several at once: light at the receivers that are about to be drawn.
 //
-// The tracer is a pure function of scene revision and photon index, so a scene that stands still is traced for
-// `accumulation_frames` frames and then costs nothing: advance() returns at once and irradiance() copies what the cache
-// holds.
+// What happens in them is Transport's; the Engine knows the level and the mesh that is drawn.
 
 #include "pie/core/vec.h"
 #include "pie/engine/settings.h"
+#include "pie/engine/transport.h"
 #include "pie/level/level.h"
 #include "pie/lights/import.h"
-#include "pie/photons/tracer.h"
 #include "pie/scene/mesh.h"
 #include "pie/scene/receivers.h"
 
@@ -23,22 +21,6 @@
 #include <vector>
 
 namespace pie::engine {
-
-/// What the engine has done so far. Times are wall clock, in milliseconds.
-struct Statistics {
-    std::uint64_t frames = 0;       ///< calls of advance()
-    std::uint64_t framesTraced = 0; ///< of these, frames in which photons were traced
-    std::uint64_t photonsEmitted = 0, raysTraced = 0, photonsStored = 0, photonsEscaped = 0;
-    std::uint64_t photonsInMap = 0;
-    std::uint64_t directRays = 0;
-    std::uint64_t directEstimates = 0; ///< receivers whose direct light was computed
-    std::uint64_t estimatesMade = 0, estimatesReused = 0;
-    std::size_t receivers = 0, drawnTriangles = 0, coarseTriangles = 0, lights = 0;
-    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, estimateMs = 0, uploadMs = 0;
-    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0;
-    /// One JSON object, keys as above in snake_case.
-    [[nodiscard]] std::string json() const;
-};
 
 class Engine {
 public:
