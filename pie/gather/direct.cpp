@@ -125,19 +125,27 @@ DirectLight::DirectLight(const scene::Scene& scene, const lights::LightSet& ligh
           Context{scene, intersector, options,
                   Sources(lights.lights(), options.softness, onPlaneOffsets * offsetFor(scene)), offsetFor(scene)})),
       state_(std::make_unique<std::atomic<std::uint8_t>[]>(receivers.points.size())),
-      irradiance_(std::make_unique<Rgb[]>(receivers.points.size())) {}
+      irradiance_(std::make_unique<Rgb[]>(receivers.points.size())),
+      variance_(std::make_unique<float[]>(receivers.points.size())) {}
 
 DirectLight::~DirectLight() = default;
 
 float DirectLight::rayOffset() const { return context_->offset; }
 
 std::size_t DirectLight::bytes() const {
-    return receivers_.points.size() * (sizeof(Rgb) + 1) + context_->sources.bytes();
+    return receivers_.points.size() * (sizeof(Rgb) + sizeof(float) + 1) + context_->sources.bytes();
 }
 
 void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
+    std::vector<float> variance(which.size());
+    estimate(which, irradiance, variance);
+}
+
+void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance,
+                           std::span<float> variance) const {
     if (context_->sources.size() == 0) {
         std::fill(irradiance.begin(), irradiance.end(), Rgb(0.0F));
+        std::fill(variance.begin(), variance.end(), 0.0F);
         return;
     }
     // Known ones first, so that the chunks below share the work that is left evenly.
@@ -146,6 +154,7 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     for (std::size_t i = 0; i < which.size(); ++i) {
         if (state_[which[i]].load(std::memory_order_acquire) == 2) {
             irradiance[i] = irradiance_[which[i]];
+            variance[i] = variance_[which[i]];
         } else {
             missing.push_back(which[i]);
             places.push_back(i);
@@ -153,13 +162,19 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     }
     if (missing.empty()) return;
     std::vector<Rgb> results(missing.size());
+    std::vector<float> variances(missing.size());
     parallelChunks(missing.size(), grain, [&](std::size_t begin, std::size_t end) {
-        compute(std::span(missing).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin));
+        compute(std::span(missing).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin),
+                std::span(variances).subspan(begin, end - begin));
     });
-    for (std::size_t i = 0; i < missing.size(); ++i) irradiance[places[i]] = results[i];
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        irradiance[places[i]] = results[i];
+        variance[places[i]] = variances[i];
+    }
 }
 
-void DirectLight::compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
+void DirectLight::compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance,
+                          std::span<float> variance) const {
     std::vector<DirectJob> jobs;
     jobs.reserve(which.size());
     for (const std::uint32_t receiver : which) jobs.emplace_back(*context_, receivers_.points[receiver]);
@@ -183,9 +198,11 @@ void DirectLight::compute(std::span<const std::uint32_t> which, std::span<Rgb> i
 
     for (std::size_t i = 0; i < which.size(); ++i) {
         irradiance[i] = jobs[i].irradiance();
+        variance[i] = static_cast<float>(std::min(jobs[i].variance(), double{std::numeric_limits<float>::max()}));
         std::uint8_t empty = 0;
         if (state_[which[i]].compare_exchange_strong(empty, 1, std::memory_order_relaxed)) {
             irradiance_[which[i]] = irradiance[i];
+            variance_[which[i]] = variance[i];
             state_[which[i]].store(2, std::memory_order_release);
         }
     }

@@ -16,6 +16,9 @@
 // Receiver::position (at the inset point for lamps in whose plane the position lies). A sky ray counts where the first
 // thing that is not a filter is sky.
 //
+// What is noise in an answer comes with it, see `estimate` with variances: parts of soft lights that were not sampled,
+// and lights of the tail that were not drawn. Everything else is exact.
+//
 // A receiver is computed once, when it is first asked for; every result depends on the scene, the lights and that
 // receiver's position and normal only. Scene and lights are immutable: after an edit, make a new DirectLight.
 
@@ -60,6 +63,11 @@ public:
     DirectLight& operator=(const DirectLight&) = delete;
 
     void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override;
+    /// The same, and the variance of each answer's channel mean (of (r + g + b) / 3), (watts per square unit)². Costs
+    /// no rays: it is estimated from those that were traced, and so is itself uncertain where they were few. On the
+    /// safe side: soft sources count as sampled at random, which they are not (doc/algorithms/irradiance.md has how
+    /// far).
+    void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance, std::span<float> variance) const;
     [[nodiscard]] std::string_view name() const override { return "direct"; }
 
     [[nodiscard]] std::uint64_t raysTraced() const { return rays_; }
@@ -73,13 +81,14 @@ public:
     struct Context; ///< what all receivers share, see direct_sources.h
 
 private:
-    void compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
+    void compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance, std::span<float> variance) const;
 
     const scene::Receivers& receivers_;
     std::unique_ptr<const Context> context_;
     /// Per receiver: 0 not computed, 1 being written by some thread, 2 ready.
     std::unique_ptr<std::atomic<std::uint8_t>[]> state_;
     std::unique_ptr<Rgb[]> irradiance_;
+    std::unique_ptr<float[]> variance_;
     mutable std::atomic<std::uint64_t> rays_{0}, computed_{0};
 };
 

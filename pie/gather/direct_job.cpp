@@ -123,7 +123,9 @@ void DirectJob::drawTail(RayBatch& batch) {
             ++times;
             ++draw;
         }
-        if (times > 0) test(waiting.source, times * step / static_cast<double>(waiting.bound), times, batch);
+        if (times == 0) continue;
+        test(waiting.source, times * step / static_cast<double>(waiting.bound), times, batch);
+        tested_.back().draws = times;
     }
 }
 
@@ -190,7 +192,11 @@ void DirectJob::absorb(const RayBatch& batch) {
     for (const Asked& asked : asked_) {
         Tested& tested = tested_[asked.tested];
         tested.contributions += static_cast<double>(asked.contribution);
-        tested.through += static_cast<double>(asked.contribution) * glm::dvec3(batch.through[asked.ray]);
+        const glm::dvec3 through(batch.through[asked.ray]);
+        tested.through += static_cast<double>(asked.contribution) * through;
+        if (context_.sources[tested.source].samples > 1)
+            drawn_.push_back(
+                {asked.tested, static_cast<double>(asked.contribution), mean(glm::dvec3(tested.unoccluded) * through)});
     }
 }
 

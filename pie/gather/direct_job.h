@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace pie::gather {
@@ -27,6 +28,8 @@ public:
     /// Takes the answers to its rays.
     void absorb(const RayBatch& batch);
     [[nodiscard]] Rgb irradiance() const;
+    /// Of the channel mean of irradiance(), from the samples that were drawn; see direct_variance.cpp.
+    [[nodiscard]] double variance() const;
 
 private:
     enum class Stage : std::uint8_t { Head, Soft, Tail, Done };
@@ -38,6 +41,7 @@ private:
         double weight = 1;        ///< of the tail: 1 / expected number of draws
         glm::dvec3 through{0};    ///< Σ c V
         double contributions = 0; ///< Σ c
+        unsigned draws = 0;       ///< of the tail that chose it; 0: tested for certain
         [[nodiscard]] glm::dvec3 seen() const {
             return contributions > 0 ? weight * glm::dvec3(unoccluded) * through / contributions : glm::dvec3(0);
         }
@@ -46,6 +50,12 @@ private:
         std::uint32_t tested = 0; ///< tested_
         std::uint32_t ray = 0;
         float contribution = 0;
+    };
+    /// What one ray to a soft source, or to one of the tail, has shown.
+    struct Drawn {
+        std::uint32_t tested = 0;
+        double contribution = 0;
+        double through = 0; ///< channel mean of the light that arrives if all of the source is seen through this ray
     };
     struct Bounded {
         float bound = 0;
@@ -62,6 +72,9 @@ private:
     void test(std::uint32_t source, double weight, unsigned samples, RayBatch& batch);
     void ask(std::uint32_t tested, unsigned samples, RayBatch& batch);
     [[nodiscard]] double tailAllowed(double seen) const;
+    [[nodiscard]] static double varianceWithin(std::span<const Drawn> drawn);
+    [[nodiscard]] double varianceOfSingles(std::vector<Drawn> singles) const;
+    [[nodiscard]] double varianceOfTail() const;
     [[nodiscard]] double seen() const;
     [[nodiscard]] float hash(std::uint64_t dimension) const;
 
@@ -74,6 +87,7 @@ private:
     double tail_ = 0;              ///< sum of the bounds that wait
     std::vector<Tested> tested_;
     std::vector<Asked> asked_;
+    std::vector<Drawn> drawn_;
 };
 
 } // namespace pie::gather

@@ -11,6 +11,12 @@
 //   direct_bench --refine [level …]       prints CSV: per level and max_edge, receivers, milliseconds of processor time
 //                                         for mesh and receivers, mean and 95th percentile of the error in U
 
+//
+// With --noise: how honest the standard errors that come with direct light are, where there is more than 1 U.
+//
+//   direct_bench --noise [level …]        prints CSV: per level and setting, root mean square of the error and of the
+//                                         standard error in U, and the share of errors within one standard error
+
 #include "pie/core/parallel.h"
 #include "pie/gather/direct.h"
 #include "pie/lights/import.h"
@@ -63,12 +69,14 @@ struct Lit {
     }
     /// Light at all of them; `rays`, when given, receives how many shadow rays it took.
     [[nodiscard]] std::vector<Rgb> light(const Receivers& receivers, const DirectOptions& options,
-                                         std::uint64_t* rays = nullptr) const {
+                                         std::uint64_t* rays = nullptr, std::vector<float>* variance = nullptr) const {
         std::vector<std::uint32_t> which(receivers.points.size());
         std::iota(which.begin(), which.end(), 0U);
         std::vector<Rgb> irradiance(which.size());
         const DirectLight direct(*scene, lights, *intersector, receivers, options);
-        direct.estimate(which, irradiance);
+        std::vector<float> variances(which.size());
+        direct.estimate(which, irradiance, variances);
+        if (variance != nullptr) *variance = variances;
         if (rays != nullptr) *rays = direct.raysTraced();
         return irradiance;
     }
@@ -90,13 +98,53 @@ double milliseconds(std::clock_t since) {
 /// Mean channel, in U.
 double brightness(const Rgb& light) { return double{pie::meanChannel(light)}; }
 
+/// Receivers of the drawn mesh, about `count`, spread over the level.
+Receivers someReceivers(const Lit& lit, std::size_t count) {
+    const Receivers all = makeReceivers(lit.mesh(64), lit.level);
+    Receivers some;
+    const std::size_t step = std::max<std::size_t>(1, all.points.size() / count);
+    for (std::size_t i = step / 2; i < all.points.size(); i += step) some.points.push_back(all.points[i]);
+    return some;
+}
+
+void errorAgainstNoise(const std::string& name) {
+    const Lit lit(name);
+    const Receivers some = someReceivers(lit, 400);
+    DirectOptions exhaustive;
+    exhaustive.exhaustive = true;
+    exhaustive.seed = 1;
+    exhaustive.softness = 4;
+    const std::vector<Rgb> truth = lit.light(some, exhaustive);
+    for (const unsigned samples : {4U, 16U, 64U})
+        for (const float tolerance : {0.25F, 2.0F, 8.0F}) {
+            DirectOptions options;
+            options.softSamples = samples;
+            options.absoluteTolerance = tolerance;
+            std::vector<float> variance;
+            const std::vector<Rgb> light = lit.light(some, options, nullptr, &variance);
+            double error = 0;
+            double said = 0;
+            double within = 0;
+            double count = 0;
+            double exact = 0;
+            for (std::size_t i = 0; i < light.size(); ++i) {
+                if (brightness(truth[i]) < 1) continue;
+                const double off = std::abs(brightness(light[i]) - brightness(truth[i]));
+                ++count;
+                error += off * off;
+                said += double{variance[i]};
+                if (off < 1e-4 * brightness(truth[i])) ++exact;
+                if (off <= std::sqrt(double{variance[i]}) + 1e-4 * brightness(truth[i])) ++within;
+            }
+            fmt::print("{},{},{},{:.0f},{:.4f},{:.4f},{:.3f},{:.3f}\n", name, samples, tolerance, count,
+                       std::sqrt(error / count), std::sqrt(said / count), within / count, exact / count);
+        }
+}
+
 void raysAgainstError(const std::string& name) {
     pie::setThreads(1);
     const Lit lit(name);
-    const Receivers all = makeReceivers(lit.mesh(64), lit.level);
-    Receivers some;
-    const std::size_t step = std::max<std::size_t>(1, all.points.size() / 400);
-    for (std::size_t i = step / 2; i < all.points.size(); i += step) some.points.push_back(all.points[i]);
+    const Receivers some = someReceivers(lit, 400);
     const auto count = static_cast<double>(some.points.size());
 
     DirectOptions exhaustive;
@@ -197,14 +245,18 @@ void edgeAgainstError(const std::string& name) {
 
 int main(int argumentCount, char** arguments) {
     std::vector<std::string> levels(arguments + 1, arguments + argumentCount);
-    const bool refine = !levels.empty() && levels.front() == "--refine";
-    if (refine) levels.erase(levels.begin());
+    const std::string mode = levels.empty() || levels.front().rfind("--", 0) != 0 ? "" : levels.front();
+    if (!mode.empty()) levels.erase(levels.begin());
     if (levels.empty()) levels = {"kaos2"};
-    fmt::print("{}\n", refine ? "level,max_edge,receivers,milliseconds,error,error95"
-                              : "level,lights,samples,tolerance,rays,rays_exhaustive,milliseconds,mean,error");
+    fmt::print("{}\n", mode == "--refine" ? "level,max_edge,receivers,milliseconds,error,error95"
+                       : mode == "--noise"
+                           ? "level,samples,tolerance,receivers,error,standard_error,within_one,exact"
+                           : "level,lights,samples,tolerance,rays,rays_exhaustive,milliseconds,mean,error");
     for (const std::string& level : levels)
-        if (refine)
+        if (mode == "--refine")
             edgeAgainstError(level);
+        else if (mode == "--noise")
+            errorAgainstNoise(level);
         else
             raysAgainstError(level);
     return 0;

@@ -355,6 +355,99 @@ TEST(DirectLight, TheTailIsUnbiased) {
     EXPECT_GT(sumSquared / seeds - mean * mean, 0.01 * expected * expected) << "one sample is noisy";
 }
 
+// ---- variances ----
+
+/// What `lit` really varies by over seeds, against what it says it does: sums over receivers, channel means.
+struct Spread {
+    double real = 0, said = 0, mean = 0;
+};
+
+Spread spreadOverSeeds(Lit& lit, int seeds) {
+    const std::size_t count = lit.receivers.points.size();
+    const std::vector<std::uint32_t> which = all(lit.receivers);
+    std::vector<double> sum(count), sumSquared(count);
+    Spread result;
+    for (int seed = 0; seed < seeds; ++seed) {
+        lit.options.seed = static_cast<std::uint64_t>(seed);
+        const DirectLight direct(*lit.scene, lit.lights, *lit.intersector, lit.receivers, lit.options);
+        std::vector<Rgb> e(count);
+        std::vector<float> variance(count, -1.0F);
+        direct.estimate(which, e, variance);
+        for (std::size_t i = 0; i < count; ++i) {
+            EXPECT_GE(variance[i], 0.0F);
+            sum[i] += double{meanChannel(e[i])};
+            sumSquared[i] += double{meanChannel(e[i])} * double{meanChannel(e[i])};
+            result.said += double{variance[i]} / seeds;
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        result.mean += sum[i] / seeds;
+        result.real += (sumSquared[i] - sum[i] * sum[i] / seeds) / (seeds - 1);
+    }
+    return result;
+}
+
+TEST(DirectLight, VarianceOfTheTailIsHonest) {
+    // Point lights: nothing is soft, all noise is the tail's.
+    Lit lit = manyRooms(7, 40);
+    std::vector<Light> points;
+    for (const Light& light : lit.lights.lights())
+        if (std::holds_alternative<PointLight>(light)) points.push_back(light);
+    lit.lights = lights::LightSet(points, lit.scene);
+    lit.options.absoluteTolerance = 1e6F;
+    lit.options.tailSamples = 64;
+    const Spread spread = spreadOverSeeds(lit, 200);
+    EXPECT_GT(spread.real, 1e-4 * spread.mean) << "a test without noise tests nothing";
+    // On the safe side: here 64 draws take a third of all lights, and successive differences do not know that lights
+    // whose bound is larger than a step are never missed.
+    EXPECT_GT(spread.said, 0.9 * spread.real);
+    EXPECT_LT(spread.said, 5.0 * spread.real);
+}
+
+TEST(DirectLight, VarianceOfPenumbrasIsHonest) {
+    // Receivers in the penumbra of a lamp behind the edge of a wall.
+    SceneBuilder builder = floorScene();
+    builder.quad({-200.0F, -200.0F, 50.0F}, {200.0F, 0.0F, 0.0F}, {0.0F, 400.0F, 0.0F});
+    std::vector<scene::Receiver> points;
+    for (int i = 0; i < 25; ++i) points.push_back(receiverAt({-24.0F + 2.0F * static_cast<float>(i), 0.0F, 0.0F}, up));
+    Lit lit(builder, {lamp({-32.0F, 32.0F, 100.0F}, {64.0F, 0.0F, 0.0F}, {0.0F, -64.0F, 0.0F}, 500.0F)}, points);
+    for (const unsigned samples : {8U, 64U}) {
+        lit.options.softSamples = samples;
+        const Spread spread = spreadOverSeeds(lit, 400);
+        EXPECT_GT(spread.said, spread.real) << samples;
+        // Groups of eight points hide some of what a sequence gains over points at random.
+        EXPECT_LT(spread.said, 6 * spread.real) << samples;
+    }
+}
+
+TEST(DirectLight, WithoutNoiseTheVarianceIsZero) {
+    const SceneBuilder floor = floorScene();
+    const AreaLight light = lamp({-32.0F, 32.0F, 100.0F}, {64.0F, 0.0F, 0.0F}, {0.0F, -64.0F, 0.0F}, 500.0F);
+    const Lit lit(floor, {light, point({0.0F, 0.0F, 400.0F})}, {receiverAt(Vec3(0.0F), up)});
+    const DirectLight direct(*lit.scene, lit.lights, *lit.intersector, lit.receivers, lit.options);
+    const std::uint32_t which = 0;
+    Rgb e(0.0F);
+    float variance = -1;
+    direct.estimate({&which, 1}, {&e, 1}, {&variance, 1});
+    EXPECT_EQ(variance, 0.0F);
+    variance = -1;
+    direct.estimate({&which, 1}, {&e, 1}, {&variance, 1});
+    EXPECT_EQ(variance, 0.0F) << "remembered";
+}
+
+TEST(DirectLight, VariancesAreTheSameWhenRemembered) {
+    const Lit lit = manyRooms(8, 70);
+    const DirectLight direct(*lit.scene, lit.lights, *lit.intersector, lit.receivers, lit.options);
+    const std::vector<std::uint32_t> which = all(lit.receivers);
+    std::vector<Rgb> e(which.size());
+    std::vector<float> fresh(which.size());
+    std::vector<float> remembered(which.size());
+    direct.estimate(which, e, fresh);
+    direct.estimate(which, e, remembered);
+    EXPECT_EQ(fresh, remembered);
+    EXPECT_GT(*std::max_element(fresh.begin(), fresh.end()), 0.0F);
+}
+
 TEST(DirectLight, SameBitsOnAnyNumberOfThreadsAndInAnyBatch) {
     Lit lit = manyRooms(5, 300);
     setThreads(1);
