@@ -35,8 +35,8 @@ private:
 
 void unify(Polygon& polygon, Corners& corners) {
     for (glm::dvec3& p : polygon) p = corners.unify(p);
-    polygon.erase(std::unique(polygon.begin(), polygon.end()), polygon.end());
-    while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
+    polygon.shorten(static_cast<std::size_t>(std::unique(polygon.begin(), polygon.end()) - polygon.begin()));
+    while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.shorten(polygon.size() - 1);
 }
 
 } // namespace

@@ -10,6 +10,13 @@ namespace {
 constexpr double cellSide = 256;        // units
 constexpr std::int64_t mostCells = 512; // a brush in more than these is large
 
+std::int64_t numberOf(std::int64_t x, std::int64_t y, std::int64_t z) { return (z * 4099 + y) * 4099 + x; }
+
+std::int64_t cellOf(const glm::dvec3& p) {
+    const auto cell = [](double x) { return static_cast<std::int64_t>(std::floor(x / cellSide)); };
+    return numberOf(cell(p.x), cell(p.y), cell(p.z));
+}
+
 /// The cells that bounds touch.
 struct Cells {
     std::array<std::int64_t, 3> first{}, last{};
@@ -27,15 +34,17 @@ struct Cells {
     template <class Visit> void each(const Visit& visit) const {
         for (std::int64_t z = first[2]; z <= last[2]; ++z)
             for (std::int64_t y = first[1]; y <= last[1]; ++y)
-                for (std::int64_t x = first[0]; x <= last[0]; ++x) visit((z * 4099 + y) * 4099 + x);
+                for (std::int64_t x = first[0]; x <= last[0]; ++x) visit(numberOf(x, y, z));
     }
 };
 
 } // namespace
 
-BrushGrid::BrushGrid(std::span<const Brush> brushes) : brushes_(brushes) {
+BrushGrid::BrushGrid(std::span<const Brush> brushes, const std::function<bool(const Brush&)>& wanted)
+    : brushes_(brushes) {
     for (std::uint32_t i = 0; i < brushes.size(); ++i) {
-        if (!brushes[i].hides) continue;
+        if (!wanted(brushes[i])) continue;
+        numbers_.push_back(i);
         const Cells cells(brushes[i].bounds);
         if (cells.count() > mostCells)
             large_.push_back(i);
@@ -44,35 +53,39 @@ BrushGrid::BrushGrid(std::span<const Brush> brushes) : brushes_(brushes) {
     }
 }
 
-std::vector<std::uint32_t> BrushGrid::near(const Bounds& bounds) const {
-    std::vector<std::uint32_t> found = large_;
+void BrushGrid::near(const Bounds& bounds, std::vector<std::uint32_t>& found) const {
+    const auto before = static_cast<std::ptrdiff_t>(found.size());
+    const auto add = [&](const std::vector<std::uint32_t>& numbers) {
+        for (const std::uint32_t i : numbers)
+            if (bounds.overlaps(brushes_[i].bounds, -onPlane)) found.push_back(i);
+    };
     const Cells cells(bounds);
     if (cells.count() > mostCells) {
-        for (std::uint32_t i = 0; i < brushes_.size(); ++i)
-            if (brushes_[i].hides && bounds.overlaps(brushes_[i].bounds, -1)) found.push_back(i);
-    } else {
-        cells.each([&](std::int64_t cell) {
-            if (const auto at = cells_.find(cell); at != cells_.end())
-                found.insert(found.end(), at->second.begin(), at->second.end());
-        });
+        add(numbers_);
+        return;
     }
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    return found;
+    add(large_);
+    cells.each([&](std::int64_t cell) {
+        if (const auto at = cells_.find(cell); at != cells_.end()) add(at->second);
+    });
+    std::sort(found.begin() + before, found.end());
+    found.erase(std::unique(found.begin() + before, found.end()), found.end());
 }
 
 /// A point on the common face of two brushes is inside their union, though inside of neither.
 bool BrushGrid::solidAt(const glm::dvec3& point, const PlaneSet& planes) const {
-    Bounds bounds;
-    bounds.extend(point);
     const auto holds = [&](std::uint32_t number) {
         const Brush& brush = brushes_[number];
-        return brush.structural && std::all_of(brush.sides.begin(), brush.sides.end(), [&](const Side& side) {
-                   return planes[side.plane].above(point) < onPlane;
-               });
+        Bounds bounds;
+        bounds.extend(point);
+        return bounds.overlaps(brush.bounds, -onPlane) &&
+               std::all_of(brush.sides.begin(), brush.sides.end(),
+                           [&](const Side& side) { return planes[side.plane].above(point) < onPlane; });
     };
-    const std::vector<std::uint32_t> candidates = near(bounds);
-    return std::any_of(candidates.begin(), candidates.end(), holds);
+    if (std::any_of(large_.begin(), large_.end(), holds)) return true;
+    // Cells list what reaches up to a unit into them.
+    const auto at = cells_.find(cellOf(point));
+    return at != cells_.end() && std::any_of(at->second.begin(), at->second.end(), holds);
 }
 
 } // namespace pie::brushes

@@ -18,26 +18,24 @@ Vec3 toFloat(const glm::dvec3& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-std::int64_t cellOf(const glm::dvec3& p, int dx, int dy, int dz) {
-    const auto cell = [](double x, int d) { return static_cast<std::int64_t>(std::floor(x / weldCell)) + d; };
-    return (cell(p.x, dx) * 2097143 + cell(p.y, dy)) * 2097143 + cell(p.z, dz);
-}
+/// Coordinates that editors write lie in the middle of a cell.
+std::int64_t along(double x) { return static_cast<std::int64_t>(std::floor(x / weldCell + 0.5)); }
+std::int64_t cellNumber(std::int64_t x, std::int64_t y, std::int64_t z) { return (z * 2097143 + y) * 2097143 + x; }
 
 } // namespace
 
 /// The corner that was there first, of all within reach: neighbours of different brushes meet in the same bits.
 glm::dvec3 BspWriter::weld(const glm::dvec3& p) {
-    for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                // Only cells that the reach touches.
-                const glm::dvec3 probe = p + weldDistance * glm::dvec3(dx, dy, dz);
-                if ((dx != 0 || dy != 0 || dz != 0) && cellOf(probe, 0, 0, 0) == cellOf(p, 0, 0, 0)) continue;
-                const auto [begin, end] = corners_.equal_range(cellOf(probe, 0, 0, 0));
-                for (auto at = begin; at != end; ++at)
-                    if (glm::length(at->second - p) < weldDistance) return at->second;
-            }
-    corners_.emplace(cellOf(p, 0, 0, 0), p);
+    const glm::dvec3 lower = p - weldDistance;
+    const glm::dvec3 upper = p + weldDistance;
+    for (std::int64_t z = along(lower.z); z <= along(upper.z); ++z)
+        for (std::int64_t y = along(lower.y); y <= along(upper.y); ++y)
+            for (std::int64_t x = along(lower.x); x <= along(upper.x); ++x)
+                for (std::uint32_t at = cells_.first(cellNumber(x, y, z)); at != ChainedIndex::none;
+                     at = cells_.next(at))
+                    if (glm::length(corners_[at] - p) < weldDistance) return corners_[at];
+    cells_.add(cellNumber(along(p.x), along(p.y), along(p.z)));
+    corners_.push_back(p);
     return p;
 }
 
@@ -58,7 +56,7 @@ void BspWriter::addPolygon(const Polygon& polygon, const Side& side, const FaceT
     for (const glm::dvec3& p : polygon)
         if (const glm::dvec3 corner = weld(p);
             corners.empty() || (corner != corners.back() && corner != corners.front()))
-            corners.push_back(corner);
+            corners.add(corner);
     if (corners.size() < 3) return;
     const glm::dvec3& normal = planes_[side.plane].normal;
     const std::array<int, 2> size = shaders_.size(side.shader);

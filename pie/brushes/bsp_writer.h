@@ -2,11 +2,12 @@
 // Gathers the records of a BSP file: faces with their corners, brushes with the sides the game's collision wants.
 
 #include "pie/brushes/brush.h"
+#include "pie/brushes/chained_index.h"
 #include "pie/brushes/map_shaders.h"
 #include "pie/brushes/visible.h"
 #include "pie/level/bsp.h"
 
-#include <unordered_map>
+#include <vector>
 
 namespace pie::brushes {
 
@@ -29,7 +30,8 @@ private:
     PlaneSet& planes_;
     MapShaders& shaders_;
     std::vector<std::int32_t> places_; ///< of map shaders in the file; -1: not used so far
-    std::unordered_multimap<std::int64_t, glm::dvec3> corners_;
+    std::vector<glm::dvec3> corners_;  ///< that were written so far
+    ChainedIndex cells_;               ///< of a fine grid
 
     [[nodiscard]] glm::dvec3 weld(const glm::dvec3& p);
 };

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double normalTolerance = 1e-5;
 constexpr double distanceTolerance = 0.01;
-constexpr double bucket = 8; // units; far above the tolerance
+constexpr double bucket = 0.0625; // units; above the tolerance, and planes that editors set lie in the middle of one
 
-std::int64_t bucketOf(double distance) { return static_cast<std::int64_t>(std::floor(std::abs(distance) / bucket)); }
+std::int64_t bucketOf(double distance) { return static_cast<std::int64_t>(std::floor(distance / bucket + 0.5)); }
 
 } // namespace
 
@@ -40,24 +40,21 @@ std::optional<Plane> planeThrough(const std::array<glm::dvec3, 3>& points) {
 }
 
 std::uint32_t PlaneSet::find(const Plane& plane) {
-    const std::int64_t home = bucketOf(plane.distance);
-    for (std::int64_t near = home - 1; near <= home + 1; ++near) {
-        const auto [begin, end] = byDistance_.equal_range(near);
-        for (auto at = begin; at != end; ++at) {
-            const Plane& known = planes_[at->second];
+    const std::int64_t last = bucketOf(plane.distance + distanceTolerance);
+    for (std::int64_t near = bucketOf(plane.distance - distanceTolerance); near <= last; ++near)
+        for (std::uint32_t at = buckets_.first(near); at != ChainedIndex::none; at = buckets_.next(at)) {
+            const Plane& known = planes_[at];
             if (std::abs(known.distance - plane.distance) < distanceTolerance &&
                 std::abs(known.normal.x - plane.normal.x) < normalTolerance &&
                 std::abs(known.normal.y - plane.normal.y) < normalTolerance &&
                 std::abs(known.normal.z - plane.normal.z) < normalTolerance)
-                return at->second;
+                return at;
         }
-    }
     const auto number = static_cast<std::uint32_t>(planes_.size());
-    const Plane opposite{-plane.normal, -plane.distance};
     planes_.push_back(plane);
-    planes_.push_back(opposite);
-    byDistance_.emplace(home, number);
-    byDistance_.emplace(home, number + 1);
+    planes_.push_back({-plane.normal, -plane.distance});
+    buckets_.add(bucketOf(planes_[number].distance));
+    buckets_.add(bucketOf(planes_[number + 1].distance));
     return number;
 }
 

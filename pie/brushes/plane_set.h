@@ -2,12 +2,13 @@
 // All planes of a map, each once: faces lie on one plane exactly when their numbers are equal, whatever rounding their
 // three points carry. Pairs face opposite ways: plane n and plane n ^ 1.
 
+#include "pie/brushes/chained_index.h"
+
 #include <glm/vec3.hpp>
 
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 namespace pie::brushes {
@@ -38,7 +39,7 @@ public:
 
 private:
     std::vector<Plane> planes_;
-    std::unordered_multimap<std::int64_t, std::uint32_t> byDistance_;
+    ChainedIndex buckets_; ///< by distance
 };
 
 } // namespace pie::brushes

@@ -48,15 +48,15 @@ bool joined(const Polygon& a, const Polygon& b, const glm::dvec3& normal, Polygo
         for (std::size_t k = 0; k < b.size(); ++k) {
             if (!same(a[i], b[(k + 1) % b.size()]) || !same(a[(i + 1) % a.size()], b[k])) continue;
             result.clear();
-            for (std::size_t j = 1; j <= a.size(); ++j) result.push_back(a[(i + j) % a.size()]);
-            for (std::size_t j = 2; j < b.size(); ++j) result.push_back(b[(k + j) % b.size()]);
+            for (std::size_t j = 1; j <= a.size(); ++j) result.add(a[(i + j) % a.size()]);
+            for (std::size_t j = 2; j < b.size(); ++j) result.add(b[(k + j) % b.size()]);
             Polygon kept;
             for (std::size_t j = 0; j < result.size(); ++j) {
                 double sine = 0;
                 const glm::dvec3& before = result[(j + result.size() - 1) % result.size()];
                 if (!turnsLeft(before, result[j], result[(j + 1) % result.size()], normal, sine)) return false;
                 constexpr double bend = 1e-7;
-                if (sine > bend) kept.push_back(result[j]);
+                if (sine > bend) kept.add(result[j]);
             }
             result = std::move(kept);
             return result.size() >= 3;
@@ -77,43 +77,49 @@ Polygon wholePlane(const Plane& plane) {
     return {origin - right - up, origin + right - up, origin + right + up, origin - right + up};
 }
 
-Split split(const Polygon& polygon, const Plane& plane, double epsilon) {
-    Split result;
-    std::vector<double> above;
-    above.reserve(polygon.size());
+Place placeOf(const Polygon& polygon, const Plane& plane, double epsilon) {
     double highest = 0;
     double lowest = 0;
     for (const glm::dvec3& p : polygon) {
-        above.push_back(plane.above(p));
-        highest = std::max(highest, above.back());
-        lowest = std::min(lowest, above.back());
+        const double above = plane.above(p);
+        highest = std::max(highest, above);
+        lowest = std::min(lowest, above);
     }
-    if (lowest >= -epsilon) {
-        if (highest > epsilon) result.front = polygon;
-        return result;
-    }
-    if (highest <= epsilon) {
-        result.back = polygon;
-        return result;
-    }
-    result.front.reserve(polygon.size() + 1);
-    result.back.reserve(polygon.size() + 1);
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
-        const double here = above[i];
-        const double there = above[next];
-        if (here >= -epsilon) result.front.push_back(polygon[i]);
-        if (here <= epsilon) result.back.push_back(polygon[i]);
-        if ((here > epsilon && there < -epsilon) || (here < -epsilon && there > epsilon)) {
-            const glm::dvec3 point = meeting(polygon[i], polygon[next], here, there, plane);
-            result.front.push_back(point);
-            result.back.push_back(point);
-        }
-    }
-    return result;
+    if (lowest >= -epsilon) return highest > epsilon ? Place::Front : Place::On;
+    return highest > epsilon ? Place::Both : Place::Back;
 }
 
-void keepBehind(Polygon& polygon, const Plane& plane, double epsilon) { polygon = split(polygon, plane, epsilon).back; }
+Place split(const Polygon& polygon, const Plane& plane, Polygon& front, Polygon& back, double epsilon) {
+    const Place place = placeOf(polygon, plane, epsilon);
+    if (place != Place::Both) return place;
+    front.clear();
+    back.clear();
+    double here = plane.above(polygon.front());
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const glm::dvec3& next = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+        const double there = plane.above(next);
+        if (here >= -epsilon) front.add(polygon[i]);
+        if (here <= epsilon) back.add(polygon[i]);
+        if ((here > epsilon && there < -epsilon) || (here < -epsilon && there > epsilon)) {
+            const glm::dvec3 point = meeting(polygon[i], next, here, there, plane);
+            front.add(point);
+            back.add(point);
+        }
+        here = there;
+    }
+    return place;
+}
+
+void keepBehind(Polygon& polygon, const Plane& plane, double epsilon) {
+    Polygon front;
+    Polygon back;
+    switch (split(polygon, plane, front, back, epsilon)) {
+    case Place::Back: return;
+    case Place::Both: polygon = std::move(back); return;
+    case Place::On:
+    case Place::Front: polygon.clear(); return;
+    }
+}
 
 double area(const Polygon& polygon) { return glm::length(areaVector(polygon)); }
 

@@ -30,17 +30,12 @@ public:
     struct Leaf {
         bool solid = true, reached = false;
         Bounds bounds;
-        std::vector<std::uint32_t> portals;
-    };
-    /// Cells on both sides of an opening: leaf -(cell + 1), or the lowest number for the world's end.
-    struct Portal {
-        Polygon polygon;
-        std::array<std::int32_t, 2> cells{};
+        std::uint32_t firstDoor = 0, doorCount = 0; ///< its openings to others
     };
 
-    /// `surfaces`: visible fragments of the structural brushes in `grid`. `world` is what the tree has to cover.
-    SolidTree(std::span<const Fragment> surfaces, std::span<const Brush> brushes, const BrushGrid& grid,
-              PlaneSet& planes, const Bounds& world);
+    /// `surfaces`: structuralFragments of the brushes. `world` is what the tree has to cover.
+    SolidTree(std::span<const Fragment> surfaces, std::span<const Brush> brushes, PlaneSet& planes,
+              const Bounds& world);
 
     /// Marks what can be reached from the points; those in solid leaves say nothing. Where the world's end is reached,
     /// or no point stands in the open, everything counts as reached.
@@ -55,18 +50,17 @@ public:
     [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
 
 private:
-    struct Face {
-        std::uint32_t plane = 0;
-        Polygon polygon;
+    /// A way out of a leaf.
+    struct Door {
+        std::int32_t to = 0; ///< leaf -(to + 1), or Portal::worldEnd
+        glm::dvec3 middle{0};
     };
-    std::int32_t build(std::vector<Face> faces, const Bounds& bounds, int depth);
-    [[nodiscard]] std::uint32_t choose(const std::vector<Face>& faces, int depth) const;
-    void makePortals(const Bounds& world);
+    void openDoors(const PlaneSet& planes, const BrushGrid& structural, const Bounds& world);
 
-    PlaneSet& planes_;
+    const PlaneSet& planes_;
     std::vector<Node> nodes_;
     std::vector<Leaf> leaves_;
-    std::vector<Portal> portals_;
+    std::vector<Door> doors_; ///< leaf after leaf
 };
 
 } // namespace pie::brushes

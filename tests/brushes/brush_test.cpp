@@ -139,6 +139,48 @@ TEST(Brush, WhatHasNoVolumeIsRefusedWithAReason) {
     EXPECT_THAT(reasonOf("{\n( 0 0 0 ) ( 1 0 0 ) ( 2 0 0 ) a 0 0 0 1 1\n}\n"), HasSubstr("no volume"));
 }
 
+/// Whatever the distance, and whichever side of a bucket's border it is on: the plane that was there is found.
+TEST(Planes, AreFoundWithinTheToleranceAndNotBeyond) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> any(-1, 1);
+    PlaneSet planes;
+    for (int i = 0; i < 20000; ++i) {
+        const glm::dvec3 normal = glm::normalize(glm::dvec3(any(random), any(random), any(random)) + 1e-3);
+        const Plane plane{normal, 60000 * any(random)};
+        const std::uint32_t number = planes.find(plane);
+        EXPECT_EQ(planes.find({normal, plane.distance + 0.0099 * any(random)}), number);
+        EXPECT_EQ(planes.find({-normal, -plane.distance + 0.0099 * any(random)}), number ^ 1U);
+        EXPECT_NE(planes.find({normal, plane.distance + 0.0101}) & ~1U, number & ~1U);
+        const glm::dvec3 across = glm::normalize(glm::cross(normal, glm::dvec3(0.3, -0.2, 0.9)));
+        EXPECT_NE(planes.find({glm::normalize(normal + 1e-4 * across), plane.distance}) & ~1U, number & ~1U);
+    }
+}
+
+TEST(Polygons, OfManyCornersAreCutLikeThoseOfFew) {
+    constexpr int corners = 40;
+    Polygon round;
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / corners;
+        round.add({100 * std::cos(angle), 100 * std::sin(angle), 5});
+    }
+    const double whole = area(round);
+    EXPECT_NEAR(whole, 0.5 * corners * 1e4 * std::sin(2 * std::numbers::pi / corners), 1e-6);
+    Polygon front;
+    Polygon back;
+    ASSERT_EQ(split(round, {{1, 0, 0}, 30}, front, back), Place::Both);
+    EXPECT_NEAR(area(front) + area(back), whole, 1e-6);
+    for (const glm::dvec3& p : front) EXPECT_GE(p.x, 30 - onPlane);
+    const Polygon copy = front;
+    const Polygon moved = std::move(front);
+    EXPECT_TRUE(std::equal(moved.begin(), moved.end(), copy.begin(), copy.end()));
+    Polygon few = round;
+    few.shorten(5);
+    EXPECT_TRUE(std::equal(few.begin(), few.end(), round.begin(), round.begin() + 5));
+    EXPECT_EQ(split(round, {{0, 0, 1}, 5}, front, back), Place::On);
+    EXPECT_EQ(split(round, {{0, 0, 1}, 6}, front, back), Place::Back);
+    EXPECT_EQ(split(round, {{0, 0, 1}, 4}, front, back), Place::Front);
+}
+
 // What the union of solids shows.
 
 TEST(Visible, BoxesThatDoNotTouchKeepEverything) {
