@@ -60,6 +60,8 @@ struct Settings {
     int recursionDepth = 8;
     int diffuseReflections = 36;
     bool storeDirectLight = false;
+    sampling::Distribution lightDistribution = sampling::Distribution::Halton;
+    sampling::Distribution diffuseDistribution = sampling::Distribution::Halton;
     std::uint64_t seed = 0;
     intersect::Kind intersector = intersect::Kind::Embree;
 

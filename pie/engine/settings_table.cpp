@@ -23,6 +23,8 @@ constexpr std::array<std::string_view, 2> rendererNames{"glsl", "fixed"};
 constexpr std::array<std::string_view, 2> colorSpaceNames{"quake3", "srgb"};
 constexpr std::array<std::string_view, 2> blendingNames{"multiply", "add_signed"};
 constexpr std::array<std::string_view, 2> scatteringNames{"roulette", "split"};
+constexpr std::array<std::string_view, 7> distributionNames{"halton",    "sobol",      "r2",    "explicit",
+                                                            "rejection", "stratified", "spiral"};
 constexpr std::array<std::string_view, 3> intersectorNames{"brute_force", "bsp", "embree"};
 constexpr std::array<std::string_view, 2> estimatorNames{"true_area", "nearest"};
 constexpr std::array<std::string_view, 2> kernelNames{"epanechnikov", "constant"};
@@ -97,6 +99,13 @@ constexpr std::array table{
         "and search time and "
         "shows nothing.",
         "pi-engine parameter 11"},
+    Row{"light_distribution", "Photons", choice<&Settings::lightDistribution>(distributionNames), 0, 0, "",
+        "How photons are spread over lights and directions. halton, sobol, r2: quasi-random, even over any number of "
+        "photons. explicit, rejection: random numbers, the noise to compare with. stratified, spiral: a set for each "
+        "frame of photons_from_light, even within it alone.",
+        "pi-engine parameter 15, 3.4"},
+    Row{"diffuse_distribution", "Photons", choice<&Settings::diffuseDistribution>(distributionNames), 0, 0, "",
+        "The same for the directions of reflections.", "pi-engine parameter 16, eq 3.11"},
     Row{"seed", "Photons", &Settings::seed, 0, 0, "",
         "Same seed, same bits, on any number of threads. Another seed shows what in a picture is noise.", ""},
     Row{"intersector", "Photons", choice<&Settings::intersector>(intersectorNames), 0, 0, "",

@@ -28,6 +28,9 @@ photons::TracerOptions tracerOptions(const Settings& settings) {
     options.diffuseReflections = static_cast<unsigned>(settings.diffuseReflections);
     options.recursionDepth = static_cast<unsigned>(settings.recursionDepth);
     options.storeDirectLight = settings.storesDirectLight();
+    options.lightDistribution = settings.lightDistribution;
+    options.diffuseDistribution = settings.diffuseDistribution;
+    options.photonsPerFrame = static_cast<std::uint64_t>(settings.photonsFromLight);
     options.seed = settings.seed;
     return options;
 }

@@ -91,12 +91,15 @@ const LightSet::Entry& LightSet::choose(float u) const {
     return entries_[i];
 }
 
-void LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u, Emission& out) const {
+void LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u, bool polar, Emission& out) const {
     if (entry.part == Part::Triangle) {
         const Triangle& triangle = triangles_[entry.number];
         const Vec2 weights = sampling::uniformTriangle({u[2], u[3]});
+        const Vec2 direction(u[0], u[1]);
         out.origin = triangle.corner + weights.x * triangle.side1 + weights.y * triangle.side2;
-        out.direction = Frame(triangle.normal).toWorld(sampling::cosineHemisphere({u[0], u[1]}));
+        out.direction =
+            Frame(triangle.normal)
+                .toWorld(polar ? sampling::polarCosineHemisphere(direction) : sampling::cosineHemisphere(direction));
         out.flux = triangle.flux;
         out.falloff = nullptr;
         out.rimRate = std::numeric_limits<float>::infinity();
@@ -111,21 +114,28 @@ void LightSet::emitFrom(const Entry& entry, const std::array<float, 4>& u, Emiss
     out.flux = detail::scaled(out.flux, entry.scale);
 }
 
-Emission LightSet::emit(const sampling::Halton& halton, std::uint64_t index, std::uint32_t* light) const {
-    const Entry& entry = choose(halton(index, 0));
-    if (light != nullptr) *light = entry.light;
+Emission LightSet::emit(const sampling::Sequence& sequence, std::uint64_t index, std::uint32_t* light) const {
     Emission result;
-    emitFrom(entry, {halton(index, 1), halton(index, 2), halton(index, 3), halton(index, 4)}, result);
+    emit(sequence, index, std::span(&result, 1));
+    if (light != nullptr) {
+        float u = 0.0F;
+        sampling::fill(sequence, index, 0, std::span(&u, 1));
+        *light = choose(u).light;
+    }
     return result;
 }
 
-void LightSet::emit(const sampling::Halton& halton, std::uint64_t first, std::span<Emission> out) const {
+void LightSet::emit(const sampling::Sequence& sequence, std::uint64_t first, std::span<Emission> out) const {
     constexpr std::size_t block = 256;
     std::array<std::array<float, block>, dimensions> u;
     std::array<const Entry*, block> chosen;
+    const bool polar = sampling::isPolar(sequence);
     for (std::size_t done = 0; done < out.size(); done += block) {
         const std::size_t count = std::min(block, out.size() - done);
-        for (unsigned d = 0; d < dimensions; ++d) halton.fill(first + done, d, std::span(u[d]).first(count));
+        const auto numbers = [&](std::size_t d) { return std::span(u[d]).first(count); };
+        sampling::fill(sequence, first + done, 0, numbers(0));
+        sampling::fillDirections(sequence, first + done, 1, numbers(1), numbers(2));
+        sampling::fillPairs(sequence, first + done, 3, numbers(3), numbers(4));
         // Choices first: with thousands of lights what they lead to is not in the cache, and comes while others are
         // chosen.
         for (std::size_t i = 0; i < count; ++i) {
@@ -137,7 +147,7 @@ void LightSet::emit(const sampling::Halton& halton, std::uint64_t first, std::sp
             }
         }
         for (std::size_t i = 0; i < count; ++i)
-            emitFrom(*chosen[i], {u[1][i], u[2][i], u[3][i], u[4][i]}, out[done + i]);
+            emitFrom(*chosen[i], {u[1][i], u[2][i], u[3][i], u[4][i]}, polar, out[done + i]);
     }
 }
 

@@ -13,7 +13,7 @@
 // as well.
 
 #include "pie/lights/light.h"
-#include "pie/sampling/halton.h"
+#include "pie/sampling/sequence.h"
 
 #include <memory>
 #include <span>
@@ -32,12 +32,12 @@ public:
     [[nodiscard]] bool empty() const { return entries_.empty(); } ///< nothing to emit
     [[nodiscard]] const SkyPortals& portals() const { return portals_; }
     /// Light that photon `index` comes from and the ray it starts on. `flux` is the light's power over the probability
-    /// of choosing it: divide by the number of photons emitted. Uses Halton dimensions 0 (light) to 4. `light`, when
+    /// of choosing it: divide by the number of photons emitted. Uses dimensions 0 (light) to 4. `light`, when
     /// given, receives its number in `lights()`. Not to be called when empty().
-    [[nodiscard]] Emission emit(const sampling::Halton& halton, std::uint64_t index,
+    [[nodiscard]] Emission emit(const sampling::Sequence& sequence, std::uint64_t index,
                                 std::uint32_t* light = nullptr) const;
     /// The same for consecutive indices, out[i] for `first` + i, to the bit and cheaper.
-    void emit(const sampling::Halton& halton, std::uint64_t first, std::span<Emission> out) const;
+    void emit(const sampling::Sequence& sequence, std::uint64_t first, std::span<Emission> out) const;
     static constexpr unsigned dimensions = 5;
 
 private:
@@ -57,7 +57,7 @@ private:
     void addPolygon(std::uint32_t light, const AreaLight& polygon);
     void add(const Entry& entry, const Rgb& watts);
     void finish();
-    void emitFrom(const Entry& entry, const std::array<float, 4>& u, Emission& out) const;
+    void emitFrom(const Entry& entry, const std::array<float, 4>& u, bool polar, Emission& out) const;
     [[nodiscard]] const Entry& choose(float u) const;
 
     std::vector<Light> lights_;

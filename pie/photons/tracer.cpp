@@ -16,6 +16,12 @@ void add(double (&sum)[3], const double (&terms)[3]) {
     for (int i = 0; i < 3; ++i) sum[i] += terms[i];
 }
 
+sampling::Sequence sequence(const TracerOptions& options, sampling::Distribution distribution) {
+    const bool splits = options.scattering == TracerOptions::Scattering::Splitting;
+    return sampling::makeSequence(distribution,
+                                  {options.seed, options.photonsPerFrame, splits ? splitChildren(options) : 1});
+}
+
 } // namespace
 
 TraceCounts& TraceCounts::operator+=(const TraceCounts& other) {
@@ -36,13 +42,15 @@ TraceCounts& TraceCounts::operator+=(const TraceCounts& other) {
 
 PhotonTracer::PhotonTracer(const scene::Scene& scene, const lights::LightSet& lights,
                            const intersect::Intersector& intersector, const TracerOptions& options)
-    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(options.seed),
+    : scene_(scene), lights_(lights), intersector_(intersector), options_(options),
+      emission_(sequence(options, options.lightDistribution)),
+      reflection_(sequence(options, options.diffuseDistribution)),
       surroundings_(std::make_shared<Surroundings>(scene)) {}
 
 TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::vector<Photon>& out) const {
     TraceCounts counts;
     if (lights_.empty()) return counts;
-    const Wavefront wavefront(scene_, lights_, intersector_, options_, halton_, *surroundings_, count);
+    const Wavefront wavefront(scene_, lights_, intersector_, options_, emission_, reflection_, *surroundings_, count);
     const std::size_t grain = std::max<std::size_t>(1, chunkPaths * 16 / std::max<std::size_t>(16, wavefront.widest()));
     const std::size_t firstStored = out.size();
     const std::size_t atOnce = grain * chunksAtOnce();

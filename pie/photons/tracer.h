@@ -1,7 +1,9 @@
 #pragma once
 // The photon tracer (pi-engine 3.1.1, 5.2, fig 5.3). It is handed photon indices, never counts; tracing index 17 twice
-// gives the same path, on any number of threads, in any order: every random number is halton(index, dimension), with
-// dimensions 0 to 4 for the emission and three more for every bounce (two for the direction, one for roulette).
+// gives the same path, on any number of threads, in any order: every random number has an address (index, dimension),
+// with dimensions 0 to 4 for the emission and three more for every bounce (two for the direction, one for roulette).
+// Photons keep their numbers from frame to frame and revision to revision (frame coherence, 5.2.2): where nothing has
+// moved, the same index takes the same path.
 //
 // Batches of paths advance together, so that the intersector gets many rays per call. The next ray starts at a point
 // moved back along the incoming direction, not along the normal (fig 5.4: in narrow corners the normal leads outside).
@@ -14,7 +16,7 @@
 #include "pie/intersect/intersector.h"
 #include "pie/lights/light_set.h"
 #include "pie/photons/photon.h"
-#include "pie/sampling/halton.h"
+#include "pie/sampling/sequence.h"
 
 #include <cstdint>
 #include <memory>
@@ -33,13 +35,18 @@ struct TracerOptions {
     };
     Scattering scattering = Scattering::RussianRoulette;
     /// Splitting only: photons that every hit sends on, as in fig 5.3. Hits deeper than maxPathsPerPhoton allows (36:
-    /// from the third on) send on one each, so that a photon costs at most maxPathsPerPhoton × recursionDepth rays. The
-    /// numbers of child j are those of the photon's index, shifted to point j of a Hammersley set: the children of a
-    /// hit are stratified among themselves.
+    /// from the third on) send on one each, so that a photon costs at most maxPathsPerPhoton × recursionDepth rays. How
+    /// the children of a hit are spread among themselves: sampling::fan.
     unsigned diffuseReflections = 36;
     unsigned recursionDepth = 8;   ///< bounces at most; 0: direct light only
     bool storeDirectLight = false; ///< store first hits as well (needed unless direct light comes from shadow rays)
     std::uint64_t seed = 0;
+    /// Where numbers come from: for which light, place and direction of emission; for reflections and roulette.
+    sampling::Distribution lightDistribution = sampling::Distribution::Halton;
+    sampling::Distribution diffuseDistribution = sampling::Distribution::Halton;
+    /// Stratified and Spiral only: points of a set, indices [n p, (n + 1) p) sharing one. Batches need not be frames:
+    /// which point an index means does not depend on what is traced with it.
+    std::uint64_t photonsPerFrame = 10'000;
 };
 
 /// Paths one photon may branch into (Splitting).
@@ -73,7 +80,7 @@ private:
     const lights::LightSet& lights_;
     const intersect::Intersector& intersector_;
     TracerOptions options_;
-    sampling::Halton halton_;
+    sampling::Sequence emission_, reflection_;
     std::shared_ptr<const Surroundings> surroundings_;
 };
 

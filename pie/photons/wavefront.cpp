@@ -30,18 +30,9 @@ void bookLoss(double (&sum)[3], const Rgb& before, const Rgb& after) {
     sum[2] += static_cast<double>(before.z) - static_cast<double>(after.z);
 }
 
-float fraction(double x) { return std::min(static_cast<float>(x - std::floor(x)), 0x1.fffffep-1F); }
-
 /// False as well where a coordinate is not a number.
 bool withinReach(const Vec3& p) {
     return std::abs(p.x) < farthestOrigin && std::abs(p.y) < farthestOrigin && std::abs(p.z) < farthestOrigin;
-}
-
-/// Child `j` of `count` of the branch: the photon's own numbers moved by point j of a Hammersley set, and by a
-/// point of the R2 lattice per branch so that sister branches do not repeat each other.
-Vec2 childNumbers(const Vec2& u, std::uint32_t j, std::uint32_t count, std::uint32_t branch) {
-    return {fraction(u.x + static_cast<double>(j) / count + branch * 0.7548776662466927),
-            fraction(u.y + static_cast<double>(sampling::radicalInverse(j, 0)) + branch * 0.5698402909980532)};
 }
 
 } // namespace
@@ -76,14 +67,19 @@ void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) const {
     }
 }
 
+std::uint32_t splitChildren(const TracerOptions& options) {
+    return std::clamp(options.diffuseReflections, 1U, maxPathsPerPhoton);
+}
+
 Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
                      const intersect::Intersector& intersector, const TracerOptions& options,
-                     const sampling::Halton& halton, const Surroundings& surroundings, std::uint64_t total)
-    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), halton_(halton),
-      surroundings_(surroundings),
+                     const sampling::Sequence& emission, const sampling::Sequence& reflection,
+                     const Surroundings& surroundings, std::uint64_t total)
+    : scene_(scene), lights_(lights), intersector_(intersector), options_(options), emission_(emission),
+      reflection_(reflection), surroundings_(surroundings),
       perPhoton_(static_cast<float>(1.0 / static_cast<double>(std::max<std::uint64_t>(1, total)))) {
     if (options.scattering != TracerOptions::Scattering::Splitting) return;
-    const std::uint32_t wanted = std::clamp(options.diffuseReflections, 1U, maxPathsPerPhoton);
+    const std::uint32_t wanted = splitChildren(options);
     std::uint32_t paths = 1;
     while (wanted > 1 && branches_.size() < options.recursionDepth && paths * wanted <= maxPathsPerPhoton)
         branches_.push_back({wanted, paths *= wanted});
@@ -101,22 +97,26 @@ void Wavefront::run(std::uint64_t first, std::size_t count, WavefrontResult& res
     result.photons.reserve(count);
     result.owner.reserve(count);
     emit(step, first, count);
+    std::visit([&](const auto& numbers) { advance(step, numbers); }, reflection_);
+    result.counts.stored = result.photons.size();
+    if (step.rays.capacity() <= keptRays) kept = std::move(step);
+}
+
+template <class Numbers> void Wavefront::advance(Step& step, const Numbers& numbers) const {
     while (!step.rays.empty()) {
         step.hits.resize(step.rays.size());
         intersector_.closest(step.rays, step.hits);
-        result.counts.rays += step.rays.size();
+        step.result->counts.rays += step.rays.size();
         step.nextPaths.clear();
         step.nextRays.clear();
         for (std::size_t i = 0; i < step.rays.size(); ++i) {
             const std::size_t soon = std::min(i + prefetchDistance, step.rays.size() - 1);
             if (step.hits[soon].found()) __builtin_prefetch(&surroundings_.faces[step.hits[soon].triangle]);
-            meet(step, step.paths[i], step.rays[i], step.hits[i]);
+            meet(step, step.paths[i], step.rays[i], step.hits[i], numbers);
         }
         step.paths.swap(step.nextPaths);
         step.rays.swap(step.nextRays);
     }
-    result.counts.stored = result.photons.size();
-    if (step.rays.capacity() <= keptRays) kept = std::move(step);
 }
 
 void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
@@ -124,7 +124,7 @@ void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
     step.paths.clear();
     step.rays.clear();
     step.emissions.resize(count);
-    lights_.emit(halton_, first, step.emissions);
+    lights_.emit(emission_, first, step.emissions);
     for (std::size_t i = 0; i < count; ++i) {
         const lights::Emission& emission = step.emissions[i];
         Path path;
@@ -148,7 +148,8 @@ float Wavefront::offsetAt(const Vec3& origin) const {
     return lights::surfaceOffset(std::max(surroundings_.reach, maxChannel(glm::abs(origin))));
 }
 
-void Wavefront::meet(Step& step, Path& path, const Ray& ray, const Hit& hit) const {
+template <class Numbers>
+void Wavefront::meet(Step& step, Path& path, const Ray& ray, const Hit& hit, const Numbers& numbers) const {
     TraceCounts& counts = step.result->counts;
     static constexpr Surroundings::Face nothing{};
     static constexpr Surroundings::Matter open{Rgb(0.0F), scene::Interaction::Sky, false};
@@ -194,7 +195,7 @@ void Wavefront::meet(Step& step, Path& path, const Ray& ray, const Hit& hit) con
     }
     path.from = hit.triangle;
     const float back = std::min(hit.t, offsetAt(ray.origin) / std::max(cosine, smallestCosine)); // fig 5.4
-    reflect(step, path, normal, ray.origin + (hit.t - back) * ray.direction, matter.reflectance);
+    reflect(step, path, normal, ray.origin + (hit.t - back) * ray.direction, matter.reflectance, numbers);
 }
 
 bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
@@ -204,7 +205,7 @@ bool Wavefront::passes(Step& step, Path& path, const Hit& hit) const {
     const float chance = whole > 0.0F ? std::min(1.0F, meanChannel(glm::abs(through)) / whole) : 0.0F;
     const std::uint64_t where =
         (std::uint64_t{path.branch} << 40U) ^ (std::uint64_t{path.bounce} << 16U) ^ path.crossings;
-    const bool passed = sampling::hash01((step.first + path.owner) ^ (halton_.seed() << 32U), where) < chance;
+    const bool passed = sampling::hash01((step.first + path.owner) ^ (options_.seed << 32U), where) < chance;
     const Rgb before = path.flux;
     if (passed)
         path.flux = through / chance;
@@ -222,8 +223,9 @@ void Wavefront::goOn(Step& step, Path path, const Ray& ray, float t, float share
     step.nextPaths.push_back(path);
 }
 
-void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin,
-                        const Rgb& reflectance) const {
+template <class Numbers>
+void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance,
+                        const Numbers& numbers) const {
     TraceCounts& counts = step.result->counts;
     const Rgb reflected = path.flux * reflectance;
     const float largest = maxChannel(glm::abs(reflected));
@@ -246,11 +248,12 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
 
     if (options_.scattering == TracerOptions::Scattering::Splitting) {
         const std::uint32_t children = path.bounce < branches_.size() ? branches_[path.bounce].children : 1;
-        const Vec2 u(halton_(index, dimension), halton_(index, dimension + 1));
+        const auto directions = sampling::fan(numbers, index, dimension, path.branch, children);
+        const Frame surface(normal);
         next.flux = reflected / static_cast<float>(children);
         for (std::uint32_t j = 0; j < children; ++j) {
             next.branch = path.branch * children + j;
-            send(step, next, normal, origin, childNumbers(u, j, children, path.branch));
+            send(step, next, surface, origin, directions(j));
         }
         for (int c = 0; c < 3; ++c)
             counts.absorbedFlux[c] += static_cast<double>(path.flux[c]) - static_cast<double>(next.flux[c]) * children;
@@ -259,7 +262,7 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
     next.flux = reflected;
     if (path.bounce > 0 || options_.storeDirectLight) {
         const float chance = largest / maxChannel(glm::abs(path.flux));
-        if (halton_(index, dimension + 2) >= chance) {
+        if (numbers(index, dimension + 2) >= chance) {
             ++counts.absorbed;
             book(counts.absorbedFlux, path.flux);
             return;
@@ -267,11 +270,11 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
         next.flux = reflected / chance;
     }
     bookLoss(counts.absorbedFlux, path.flux, next.flux);
-    send(step, next, normal, origin, {halton_(index, dimension), halton_(index, dimension + 1)});
+    send(step, next, Frame(normal), origin, sampling::cosine(numbers, index, dimension));
 }
 
-void Wavefront::send(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Vec2& u) const {
-    step.nextRays.push_back({origin, 0.0F, Frame(normal).toWorld(sampling::cosineHemisphere(u))});
+void Wavefront::send(Step& step, const Path& path, const Frame& surface, const Vec3& origin, const Vec3& direction) {
+    step.nextRays.push_back({origin, 0.0F, surface.toWorld(direction)});
     step.nextPaths.push_back(path);
 }
 

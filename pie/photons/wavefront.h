@@ -34,12 +34,15 @@ struct WavefrontResult {
     void writeTo(Photon* out, std::uint32_t firstId) const;
 };
 
+/// Children of a hit that splits in full.
+[[nodiscard]] std::uint32_t splitChildren(const TracerOptions& options);
+
 class Wavefront {
 public:
     /// `total`: photons of the whole frame, by which flux is divided.
     Wavefront(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
-              const TracerOptions& options, const sampling::Halton& halton, const Surroundings& surroundings,
-              std::uint64_t total);
+              const TracerOptions& options, const sampling::Sequence& emission, const sampling::Sequence& reflection,
+              const Surroundings& surroundings, std::uint64_t total);
     void run(std::uint64_t first, std::size_t count, WavefrontResult& result) const;
     /// Paths an index can branch into.
     [[nodiscard]] std::size_t widest() const { return branches_.empty() ? 1 : branches_.back().paths; }
@@ -61,18 +64,26 @@ private:
 
     void emit(Step& step, std::uint64_t first, std::size_t count) const;
     [[nodiscard]] float offsetAt(const Vec3& origin) const;
-    void meet(Step& step, Path& path, const intersect::Ray& ray, const intersect::Hit& hit) const;
+    /// `Numbers`: what `reflection_` holds.
+    template <class Numbers> void advance(Step& step, const Numbers& numbers) const;
+    template <class Numbers>
+    void meet(Step& step, Path& path, const intersect::Ray& ray, const intersect::Hit& hit,
+              const Numbers& numbers) const;
     [[nodiscard]] bool passes(Step& step, Path& path, const intersect::Hit& hit) const;
     /// The same ray again, from behind `t` by this share of it.
     void goOn(Step& step, Path path, const intersect::Ray& ray, float t, float share) const;
-    void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance) const;
-    void send(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Vec2& u) const;
+    template <class Numbers>
+    void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance,
+                 const Numbers& numbers) const;
+    /// `direction`: about +z, turned to the normal here.
+    static void send(Step& step, const Path& path, const Frame& surface, const Vec3& origin, const Vec3& direction);
 
     const scene::Scene& scene_;
     const lights::LightSet& lights_;
     const intersect::Intersector& intersector_;
     const TracerOptions& options_;
-    const sampling::Halton& halton_;
+    const sampling::Sequence& emission_;
+    const sampling::Sequence& reflection_;
     const Surroundings& surroundings_;
     float perPhoton_; ///< one over the photons of the frame
     std::vector<Branching> branches_;

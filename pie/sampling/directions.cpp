@@ -94,6 +94,17 @@ Vec2 invertCosineHemisphere(const Vec3& direction) {
     return u;
 }
 
+Vec3 polarCosineHemisphere(const Vec2& u) {
+    const float radius = std::sqrt(u.x);
+    const SinCos s = sinCosTurn(u.y);
+    return {radius * s.cosine, radius * s.sine, std::sqrt(1.0F - u.x)};
+}
+Vec2 invertPolarCosineHemisphere(const Vec3& direction) {
+    const float square = direction.x * direction.x + direction.y * direction.y;
+    return {clampToUnit(direction.z * direction.z < 0.5F ? 1.0F - direction.z * direction.z : square),
+            turn(direction.x, direction.y)};
+}
+
 Vec3 uniformCone(const Vec2& u, float cosMax) { return fromCap(u.x * (1.0F - cosMax), u.y); }
 float uniformConePdf(float cosMax) {
     return cosMax < 1.0F ? 0.5F / (pi * (1.0F - cosMax)) : std::numeric_limits<float>::infinity();

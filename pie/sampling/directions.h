@@ -19,6 +19,11 @@ namespace pie::sampling {
 [[nodiscard]] float cosineHemispherePdf(const Vec3& direction);
 [[nodiscard]] Vec2 invertCosineHemisphere(const Vec3& direction);
 
+/// The same distribution by height and turn (eq 3.10 as it stands): u.x = 1 - z², u.y turns of the angle. Rings and
+/// sectors of the square stay rings and sectors, where the map above keeps squares nearly square.
+[[nodiscard]] Vec3 polarCosineHemisphere(const Vec2& u);
+[[nodiscard]] Vec2 invertPolarCosineHemisphere(const Vec3& direction);
+
 /// Uniform in the cone about +z with the given cosine of its half angle, -1 <= cosMax <= 1; pdf 1/(2 pi (1 - cosMax)),
 /// infinite for cosMax = 1, where the only direction is +z.
 [[nodiscard]] Vec3 uniformCone(const Vec2& u, float cosMax);

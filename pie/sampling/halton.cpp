@@ -25,13 +25,6 @@ constexpr std::array<std::uint32_t, haltonDimensions> makePrimes() {
 }
 constexpr auto primes = makePrimes();
 
-/// The finaliser of splitmix64: a bijection whose output bits all depend on all input bits.
-constexpr std::uint64_t mix(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15U;
-    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-    return x ^ (x >> 31U);
-}
 constexpr std::uint64_t address(std::uint64_t seed, unsigned dimension, unsigned digit) {
     return mix(mix(mix(seed) ^ dimension) ^ digit);
 }
@@ -144,7 +137,5 @@ float Halton::beyond(std::uint64_t index, unsigned dimension) const {
     }
     return std::min(static_cast<float>(sum), detail::belowOne);
 }
-
-float hash01(std::uint64_t a, std::uint64_t b) { return static_cast<float>(mix(mix(a) ^ b) >> 40U) * 0x1p-24F; }
 
 } // namespace pie::sampling

@@ -7,6 +7,9 @@
 // blocks, one table per dimension and block. Halton objects of one seed share their tables
 // (2 MB, 2 ms to build; those of the last four seeds are remembered).
 
+#include "pie/core/vec.h"
+#include "pie/sampling/hash.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -85,10 +88,14 @@ struct HaltonTables;
 /// ones are correlated there); other seeds permute every dimension. Every digit position has its own permutation.
 class Halton {
 public:
+    static constexpr bool polar = false;
     explicit Halton(std::uint64_t seed = 0);
     /// In [0, 1). Dimensions past haltonDimensions wrap onto permutations of their own.
     [[nodiscard]] float operator()(std::uint64_t index, unsigned dimension) const {
         return dimension < haltonDimensions ? rows_[dimension](index) : beyond(index, dimension);
+    }
+    [[nodiscard]] Vec2 pair(std::uint64_t index, unsigned dimension) const {
+        return {(*this)(index, dimension), (*this)(index, dimension + 1)};
     }
     /// The numbers of `out.size()` consecutive indices in one dimension, equal to those of operator() and cheaper.
     void fill(std::uint64_t first, unsigned dimension, std::span<float> out) const {
@@ -104,8 +111,5 @@ private:
     std::shared_ptr<const detail::HaltonTables> tables_;
     const detail::HaltonRow* rows_;
 };
-
-/// A hash in [0, 1) of two numbers: shifts (Cranley-Patterson) and choices that need no low discrepancy.
-[[nodiscard]] float hash01(std::uint64_t a, std::uint64_t b);
 
 } // namespace pie::sampling

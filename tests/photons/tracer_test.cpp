@@ -2,6 +2,7 @@
 
 #include "pie/core/parallel.h"
 #include "tests/photons/traced.h"
+#include "tests/sampling/distributions.h"
 #include "tests/sampling/statistics.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +56,15 @@ std::vector<lights::Light> manyLights() {
 std::vector<TracerOptions> allOptions() {
     auto seeded = test::roulette(true, 6);
     seeded.seed = 12345;
-    return {test::roulette(true, 8), test::roulette(false, 8), test::splitting(5, true, 3),
-            test::splitting(3, false, 4), seeded};
+    std::vector<TracerOptions> all{test::roulette(true, 8), test::roulette(false, 8), test::splitting(5, true, 3),
+                                   test::splitting(3, false, 4), seeded};
+    for (const sampling::Distribution distribution : test::allDistributions)
+        for (TracerOptions options : {test::roulette(true, 8), test::splitting(4, false, 3)}) {
+            options.lightDistribution = options.diffuseDistribution = distribution;
+            options.photonsPerFrame = 700; // sets begin and end within batches
+            all.push_back(options);
+        }
+    return all;
 }
 /// Indices to trace: a photon that splits is a hundred that do not.
 std::uint64_t share(std::uint64_t count, const TracerOptions& options) {

@@ -25,8 +25,10 @@ struct Map {
 };
 
 std::vector<Map> maps() {
-    std::vector<Map> all{{"sphere", uniformSphere, [](Vec3) { return uniformSpherePdf(); }, invertUniformSphere, -1.0},
-                         {"hemisphere", cosineHemisphere, cosineHemispherePdf, invertCosineHemisphere, 0.0}};
+    std::vector<Map> all{
+        {"sphere", uniformSphere, [](Vec3) { return uniformSpherePdf(); }, invertUniformSphere, -1.0},
+        {"hemisphere", cosineHemisphere, cosineHemispherePdf, invertCosineHemisphere, 0.0},
+        {"polar hemisphere", polarCosineHemisphere, cosineHemispherePdf, invertPolarCosineHemisphere, 0.0}};
     for (const float cosMax : {0.9F, 0.0F, -0.5F})
         all.push_back({"cone " + std::to_string(cosMax), [=](Vec2 u) { return uniformCone(u, cosMax); },
                        [=](Vec3 d) { return d.z >= cosMax ? uniformConePdf(cosMax) : 0.0; },
