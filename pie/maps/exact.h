@@ -37,6 +37,21 @@ public:
         nearest(point, k, maxRadius, accept, queue);
     }
 
+    /// The k nearest in a measure of your own; see KdTree.
+    template <class Measure>
+    void nearestBy(const Vec3& point, std::size_t k, float maxRadius, const Slab& /*hint*/, float surplus,
+                   Measure&& measure, NearestQueue& queue) const {
+        queue.reset(k, reachOfRadius(maxRadius));
+        if (!isFinite(point)) return;
+        for (std::size_t i = 0; i < photons_.size(); ++i) {
+            const photons::Photon& photon = photons_[i];
+            const float d = distanceSquared(photon.position, point);
+            if (!(d <= queue.reach() + surplus) || !isFinite(photon.position)) continue;
+            const float measured = measure(photon, d);
+            if (measured >= 0.0F) queue.offer({measured, static_cast<std::uint32_t>(i)});
+        }
+    }
+
     /// visitor(photon, distanceSquared) for every photon within `radius`, in the order of their numbers.
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const {
         const float reach = reachOfRadius(radius);

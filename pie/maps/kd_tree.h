@@ -48,6 +48,12 @@ public:
     void nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
                  NearestQueue& queue) const;
 
+    /// The k nearest in a measure of your own: measure(photon, distanceSquared) is a squared radius, negative to
+    /// refuse, and never less than distanceSquared − surplus. Distances of the neighbours found are measures.
+    template <class Measure>
+    void nearestBy(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, float surplus,
+                   Measure&& measure, NearestQueue& queue) const;
+
     /// visitor(photon, distanceSquared) for every photon within `radius` (its surface included), in an order that
     /// depends on the photons and the point only.
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const;
@@ -288,6 +294,19 @@ void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, const Sl
         point, &slab, [&] { return queue.reach(); },
         [&](std::uint32_t number, float d) {
             if (accept(photons_[number])) queue.offer({d, number});
+        });
+}
+
+template <class Measure>
+void KdTree::nearestBy(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, float surplus,
+                       Measure&& measure, NearestQueue& queue) const {
+    queue.reset(k, reachOfRadius(maxRadius));
+    const bool flat = slab.halfThickness < std::numeric_limits<float>::infinity();
+    search(
+        point, flat ? &slab : nullptr, [&] { return queue.reach() < 0.0F ? -1.0F : queue.reach() + surplus; },
+        [&](std::uint32_t number, float d) {
+            const float measured = measure(photons_[number], d);
+            if (measured >= 0.0F) queue.offer({measured, number});
         });
 }
 

@@ -65,7 +65,13 @@ void RealtimeMap::rebuild() {
     std::vector<Photon> all = std::visit([](auto& map) { return map.release(); }, map_);
     all.clear();
     all.reserve(total);
-    for (const Frame& frame : frames_) all.insert(all.end(), frame.photons.begin(), frame.photons.end());
+    ++revision_;
+    frameEnds_.clear();
+    for (const Frame& frame : frames_) {
+        if (frame.age == 0) continue;
+        all.insert(all.end(), frame.photons.begin(), frame.photons.end());
+        frameEnds_.push_back(static_cast<std::uint32_t>(all.size()));
+    }
     std::visit([&](auto& map) { map.build(std::move(all)); }, map_);
     const std::size_t present = framesPresent();
     fluxScale_ = present == 0 ? 0.0F : 1.0F / static_cast<float>(present);

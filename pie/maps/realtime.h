@@ -43,11 +43,16 @@ public:
 
     /// Makes what was replaced visible to searches.
     void rebuild();
+    /// How often it was rebuilt: what was derived from the photons is of this revision.
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
     /// What a photon's flux is multiplied with: 1 / frames present at the last rebuild. 0 without frames.
     [[nodiscard]] float fluxScale() const { return fluxScale_; }
     /// All photons of the last rebuild, slot after slot.
     [[nodiscard]] std::span<const photons::Photon> photons() const;
+    /// For each frame present at the last rebuild, in the order of their slots, the number of the photon behind its
+    /// last: the batches that standard errors are made of.
+    [[nodiscard]] std::span<const std::uint32_t> frameEnds() const { return frameEnds_; }
     [[nodiscard]] Box bounds() const;
     [[nodiscard]] std::size_t bytes() const;
     /// Calls use(map) with the KdTree or the ExactMap of the last rebuild.
@@ -61,6 +66,8 @@ private:
     std::vector<Frame> frames_;
     std::uint64_t arrivals_ = 0;
     std::variant<KdTree, ExactMap> map_;
+    std::vector<std::uint32_t> frameEnds_;
+    std::uint64_t revision_ = 0;
     float fluxScale_ = 0;
 };
 
