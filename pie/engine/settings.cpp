@@ -116,14 +116,23 @@ std::vector<std::string> Settings::warnings() const {
     idle("diffuse_reflections", !roulette, "scattering is roulette");
     idle("max_search_radius", !useRadiusHeuristic, "use_radius_heuristic is on");
     idle("radius_heuristic_alpha", useRadiusHeuristic, "use_radius_heuristic is off");
-    idle("sphere_slice", useSphereSlice, "use_sphere_slice is off");
+    idle("area", estimator == EstimatorKind::Nearest, "estimator is not nearest");
+    idle("progressive_alpha", searchRadius == gather::RadiusRule::Progressive, "search_radius is not progressive");
+    idle("max_search_count", searchRadius != gather::RadiusRule::Fixed || useRadiusHeuristic, "search_radius is fixed");
+    idle("use_sphere_slice", searchVolume == gather::SearchVolume::Slice, "search_volume is not slice");
+    idle("sphere_slice", volume() != gather::SearchVolume::Sphere, "the search volume is a sphere");
+    idle("use_incoming_direction", !usesTrueArea(), "true_area goes by normals");
+    for (const std::string_view key : {"final_gathering_samples", "final_gathering_distance",
+                                       "final_gathering_secondary", "precompute_irradiance", "irradiance_cache"})
+        idle(key, finalGathering, "final_gathering is off");
     idle("direct_samples", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("direct_tolerance", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("deluxe", view == View::Baked, "view is not baked");
-    if (storeDirectLight && directLight == DirectLight::ShadowRays)
+    if (storeDirectLight && directLight == DirectLight::ShadowRays && !finalGathering)
         lines.emplace_back("store_direct_light costs time and shows nothing: direct_light is shadow_rays");
-    if (directLight == DirectLight::Photons && origin("store_direct_light") != Source::Default && !storeDirectLight)
-        lines.emplace_back("store_direct_light is on in spite of the setting: direct_light is photons");
+    if (storesDirectLight() && origin("store_direct_light") != Source::Default && !storeDirectLight)
+        lines.push_back(fmt::format("store_direct_light is on in spite of the setting: {}",
+                                    finalGathering ? "final_gathering needs it" : "direct_light is photons"));
     return lines;
 }
 

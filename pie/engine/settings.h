@@ -10,6 +10,7 @@
 // A call that fails changes nothing.
 
 #include "pie/core/result.h"
+#include "pie/gather/nearest_photons.h"
 #include "pie/intersect/intersector.h"
 #include "pie/photons/tracer.h"
 #include "pie/scene/scene.h"
@@ -27,9 +28,8 @@ namespace pie::engine {
 /// What is shown. Lit: light by photons. Baked: the level's own lightmaps and vertex colours. Light: as Lit, without
 /// textures.
 enum class View : std::uint8_t { Lit, Baked, Fullbright, Light };
-/// What flux is divided by: the area that exists within the kernel, or pi r² (pi-engine eq 3.3).
+/// TrueArea is short for Nearest with area = true_area.
 enum class EstimatorKind : std::uint8_t { TrueArea, Nearest };
-enum class KernelKind : std::uint8_t { Epanechnikov, Constant };
 enum class DirectLight : std::uint8_t { ShadowRays, Photons };
 enum class PhotonMapKind : std::uint8_t { KdTree, Exact };
 /// Quake3: colours are used as stored; Srgb: linearised, and encoded again for display.
@@ -67,15 +67,26 @@ struct Settings {
 
     // Irradiance
     EstimatorKind estimator = EstimatorKind::TrueArea;
-    KernelKind kernel = KernelKind::Epanechnikov;
+    gather::Kernel kernel = gather::Kernel::Epanechnikov;
+    gather::AreaEstimate area = gather::AreaEstimate::Disc; ///< of EstimatorKind::Nearest
     PhotonMapKind photonMap = PhotonMapKind::KdTree;
     int maxSearchCount = 100;
     float maxSearchRadius = 192; ///< units
+    gather::RadiusRule searchRadius = gather::RadiusRule::Nearest;
+    float progressiveAlpha = 0.7F;
     bool useRadiusHeuristic = false;
     float radiusHeuristicAlpha = 0.05F; ///< share of the mean radiance below which an estimate counts as dark
-    bool useSphereSlice = true;
-    float sphereSlice = 4; ///< units; half thickness
+    gather::SearchVolume searchVolume = gather::SearchVolume::Slice;
+    bool useSphereSlice = true; ///< false: a slice is a whole sphere
+    float sphereSlice = 4;      ///< units; half thickness of slice, cylinder and ellipsoid
+    bool useIncomingDirection = true;
     bool useEstimateCache = true;
+    bool finalGathering = false;
+    int finalGatheringSamples = 256;
+    float finalGatheringDistance = 16; ///< units; nearer hits are gathered once more
+    int finalGatheringSecondary = 16;
+    int precomputeIrradiance = 0; ///< every how many photons; 0: never
+    float irradianceCache = 0;    ///< Ward's a; 0: none
     DirectLight directLight = DirectLight::ShadowRays;
     int directSamples = 64;    ///< shadow rays per soft source and receiver, at most
     float directTolerance = 2; ///< lightmap units U, standard error
@@ -115,8 +126,21 @@ struct Settings {
     /// folder. Errors carry line and column.
     Result<bool> readFile(const std::filesystem::path& file);
 
-    /// Whether first hits go into the photon map: asked for, or needed because direct light is to come from there.
-    [[nodiscard]] bool storesDirectLight() const { return storeDirectLight || directLight == DirectLight::Photons; }
+    /// Whether first hits go into the photon map: asked for, or needed because direct light is to come from there, or
+    /// because final gathering sees it on other surfaces.
+    [[nodiscard]] bool storesDirectLight() const {
+        return storeDirectLight || directLight == DirectLight::Photons || finalGathering;
+    }
+
+    /// The search volume in effect.
+    [[nodiscard]] gather::SearchVolume volume() const {
+        return searchVolume == gather::SearchVolume::Slice && !useSphereSlice ? gather::SearchVolume::Sphere
+                                                                              : searchVolume;
+    }
+    /// Whether flux is divided by the surface that exists.
+    [[nodiscard]] bool usesTrueArea() const {
+        return estimator == EstimatorKind::TrueArea || area == gather::AreaEstimate::True;
+    }
 
     [[nodiscard]] Source origin(std::string_view key) const;     ///< Default for unknown keys
     [[nodiscard]] std::string value(std::string_view key) const; ///< as `set` reads it; empty for unknown keys

@@ -27,7 +27,11 @@ constexpr std::array<std::string_view, 7> distributionNames{"halton",    "sobol"
                                                             "rejection", "stratified", "spiral"};
 constexpr std::array<std::string_view, 3> intersectorNames{"brute_force", "bsp", "embree"};
 constexpr std::array<std::string_view, 2> estimatorNames{"true_area", "nearest"};
-constexpr std::array<std::string_view, 2> kernelNames{"epanechnikov", "constant"};
+constexpr std::array<std::string_view, 4> kernelNames{"constant", "cone", "gaussian", "epanechnikov"};
+constexpr std::array<std::string_view, 6> areaNames{"pi_r2",   "box",         "oriented_box",
+                                                    "ellipse", "convex_hull", "true_area"};
+constexpr std::array<std::string_view, 4> volumeNames{"sphere", "slice", "cylinder", "ellipsoid"};
+constexpr std::array<std::string_view, 3> radiusNames{"nearest", "fixed", "progressive"};
 constexpr std::array<std::string_view, 2> mapNames{"kd_tree", "exact"};
 constexpr std::array<std::string_view, 2> directNames{"shadow_rays", "photons"};
 constexpr std::array<std::string_view, 2> reflectanceNames{"texture", "compiler"};
@@ -115,15 +119,18 @@ constexpr std::array table{
         "pi-engine parameter 1, BSP_tree"},
 
     Row{"estimator", "Irradiance", choice<&Settings::estimator>(estimatorNames), 0, 0, "",
-        "What flux is divided by. true_area: the surface that exists within the kernel on the receiver's side. "
-        "nearest: pi r\u00b2, the "
-        "paper's, which loses half of the light at edges, where a level's vertices are.",
+        "nearest: flux of the photons near by over `area`; the paper's with area = pi_r2. true_area: the same with "
+        "area = true_area.",
         "pi-engine eq 3.3"},
     Row{"kernel", "Irradiance", choice<&Settings::kernel>(kernelNames), 0, 0, "",
-        "epanechnikov: near photons weigh more; less blur at the same radius, a little more noise. constant: all weigh "
-        "the same, as in the "
-        "paper.",
+        "How much a photon counts by its distance. constant: all the same, as in the paper. epanechnikov: least error "
+        "at the same radius. cone and gaussian: sharper still or softer, and noisier. Same speed.",
         "pi-engine 3.5"},
+    Row{"area", "Irradiance", choice<&Settings::area>(areaNames), 0, 0, "",
+        "What flux is divided by. pi_r2: a whole disc, the paper's; loses half of the light at edges, where a level's "
+        "vertices are. box, oriented_box, ellipse, convex_hull: a shape around the photons found; no set-up, needs "
+        "about 30 photons. true_area: the surface that exists, 48 bytes a receiver and a moment at first sight.",
+        "pi-engine 3.5.2"},
     Row{"photon_map", "Irradiance", choice<&Settings::photonMap>(mapNames), 0, 0, "",
         "kd_tree: search time grows with the logarithm of the photons. exact: looks at every photon, the judge. The "
         "same photons are found.",
@@ -135,12 +142,25 @@ constexpr std::array table{
         "Radius of the search, at most. Small: speckles where photons are few. Large: slow there, and light blurs over "
         "the radius.",
         "pi-engine parameter 5"},
+    Row{"search_radius", "Irradiance", choice<&Settings::searchRadius>(radiusNames), 0, 0, "",
+        "nearest: up to the photon number max_search_count, at most max_search_radius. fixed: max_search_radius "
+        "everywhere; noise where photons are few, blur and time where they are many. progressive: nearest, with a "
+        "count that grows and a radius that shrinks as frames come in, so that noise and blur both vanish in a still "
+        "scene.",
+        "pi-engine 3.2.1"},
+    Row{"progressive_alpha", "Irradiance", &Settings::progressiveAlpha, 0, 1, "",
+        "search_radius = progressive: the count grows as frames to this power. Less: sharper and noisier.", ""},
     Row{"use_radius_heuristic", "Irradiance", &Settings::useRadiusHeuristic, 0, 0, "",
         "Take the radius from the density of photons instead of max_search_radius: r = sqrt(k r_n\u00b2 / (alpha n)).",
         "pi-engine parameter 6, eq 3.7"},
     Row{"radius_heuristic_alpha", "Irradiance", &Settings::radiusHeuristicAlpha, 1e-6, 1, "share of the mean radiance",
         "Below this share of the mean an estimate counts as dark. Smaller: a larger radius, smoother and slower.",
         "pi-engine eq 3.7"},
+    Row{"search_volume", "Irradiance", choice<&Settings::searchVolume>(volumeNames), 0, 0, "",
+        "Where photons count. sphere: whatever is near, other surfaces too. slice: of that, what is near the "
+        "receiver's "
+        "plane. cylinder and ellipsoid: nearly the same, at more cost.",
+        "pi-engine 3.5.1"},
     Row{"use_sphere_slice", "Irradiance", &Settings::useSphereSlice, 0, 0, "",
         "Count only photons near the receiver's plane, so that light does not leak round corners and through walls. "
         "Hardly any time.",
@@ -149,9 +169,37 @@ constexpr std::array table{
         "Half thickness of that slice. Thin: curved surfaces lose photons. Thick: light leaks from neighbouring "
         "surfaces.",
         "pi-engine 3.5"},
+    Row{"use_incoming_direction", "Irradiance", &Settings::useIncomingDirection, 0, 0, "",
+        "Refuse photons that came from behind the receiver: those of the back of thin walls. With true_area surfaces "
+        "are told apart by their normals anyway.",
+        "pi-engine 3.5.1"},
     Row{"use_estimate_cache", "Irradiance", &Settings::useEstimateCache, 0, 0, "",
         "Estimate a vertex once a frame, however many triangles share it. Off: the same picture, every copy anew.",
         "pi-engine parameter 3"},
+    Row{"final_gathering", "Irradiance", &Settings::finalGathering, 0, 0, "",
+        "Take indirect light from rays over the hemisphere, and only what they meet from the photon map (estimator, "
+        "area, "
+        "kernel … then say how). Smooth with few photons; hundreds of times as slow.",
+        "pi-engine parameter 8"},
+    Row{"final_gathering_samples", "Irradiance", &Settings::finalGatheringSamples, 0, 65536, "rays",
+        "Rays of a final gather. Time grows in proportion, noise falls with nearly the inverse.",
+        "pi-engine parameter 8"},
+    Row{"final_gathering_distance", "Irradiance", &Settings::finalGatheringDistance, 0, unbounded, "units",
+        "Hits nearer than this are gathered once more, because a wall close by shows the errors of the map. Most of "
+        "the "
+        "time at edges.",
+        "pi-engine 3.2.2"},
+    Row{"final_gathering_secondary", "Irradiance", &Settings::finalGatheringSecondary, 0, 4096, "rays",
+        "Rays of such a second gather; 0: none.", "pi-engine 3.2.2"},
+    Row{"precompute_irradiance", "Irradiance", &Settings::precomputeIrradiance, 0, 1000, "photons",
+        "Final gathering: estimate irradiance at every n-th photon beforehand, and take that of the nearest at each "
+        "hit. "
+        "Faster where rays are many; 0: estimate at each hit.",
+        "pi-engine 3.2.2"},
+    Row{"irradiance_cache", "Irradiance", &Settings::irradianceCache, 0, 10, "",
+        "Final gathering: gather at some receivers only and interpolate between them, with about this relative error. "
+        "0.1 to 0.3; 0: gather at each.",
+        "pi-engine 3.2.2"},
     Row{"direct_light", "Irradiance", choice<&Settings::directLight>(directNames), 0, 0, "",
         "shadow_rays: light straight from the sources by rays; sharp shadows, no noise from point sources. photons: "
         "from the photon map like "

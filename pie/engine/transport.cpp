@@ -1,6 +1,7 @@
 #include "pie/engine/transport.h"
 
 #include "pie/gather/direct.h"
+#include "pie/gather/final_gather.h"
 #include "pie/gather/nearest_photons.h"
 #include "pie/intersect/intersector.h"
 #include "pie/maps/realtime.h"
@@ -41,10 +42,26 @@ gather::NearestOptions nearestOptions(const Settings& settings) {
     options.maxRadius = settings.maxSearchRadius;
     options.radiusHeuristic = settings.useRadiusHeuristic;
     options.heuristicAlpha = settings.radiusHeuristicAlpha;
-    options.sphereSlice = settings.useSphereSlice;
+    options.radius = settings.searchRadius;
+    options.progressiveAlpha = settings.progressiveAlpha;
+    options.volume = settings.volume();
     options.slice.halfThickness = settings.sphereSlice;
-    options.kernel = settings.kernel == KernelKind::Constant ? gather::Kernel::Constant : gather::Kernel::Epanechnikov;
-    options.indirectOnly = settings.directLight == DirectLight::ShadowRays;
+    options.incomingDirection = settings.useIncomingDirection;
+    options.area = settings.usesTrueArea() ? gather::AreaEstimate::True : settings.area;
+    options.kernel = settings.kernel;
+    options.indirectOnly = settings.directLight == DirectLight::ShadowRays && !settings.finalGathering;
+    return options;
+}
+
+gather::FinalGatherOptions finalGatherOptions(const Settings& settings) {
+    gather::FinalGatherOptions options;
+    options.samples = static_cast<unsigned>(settings.finalGatheringSamples);
+    options.secondaryDistance = settings.finalGatheringDistance;
+    options.secondarySamples = static_cast<unsigned>(settings.finalGatheringSecondary);
+    options.precompute = static_cast<unsigned>(settings.precomputeIrradiance);
+    options.cacheAccuracy = settings.irradianceCache;
+    options.addDirect = settings.directLight == DirectLight::Photons;
+    options.seed = settings.seed;
     return options;
 }
 
@@ -66,8 +83,6 @@ struct Transport::State {
     Settings settings;
     photons::PhotonTracer tracer;
     maps::RealtimeMap map;
-    std::unique_ptr<gather::TrueArea> area;
-    std::unique_ptr<gather::AreaTable> areaTable;
     std::unique_ptr<gather::DirectLight> direct;  ///< null: direct light comes from photons
     std::unique_ptr<gather::Estimator> estimator; ///< light from the map
     Cache cache;
@@ -97,13 +112,11 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
         directOptions.seed = settings.seed;
         direct = std::make_unique<gather::DirectLight>(*scene, lights, *intersector, receivers, directOptions);
     }
-    if (settings.estimator == EstimatorKind::TrueArea) {
-        area = std::make_unique<gather::TrueArea>(*scene, options.kernel, options.slice, options.maxRadius);
-        areaTable = std::make_unique<gather::AreaTable>(*area, receivers);
-        estimator = std::make_unique<gather::NearestPhotons>(*scene, receivers, map, options, *area, *areaTable);
-    } else {
+    if (settings.finalGathering)
+        estimator = std::make_unique<gather::FinalGather>(*scene, *intersector, receivers, map, options,
+                                                          finalGatherOptions(settings), direct ? &lights : nullptr);
+    else
         estimator = std::make_unique<gather::NearestPhotons>(*scene, receivers, map, options);
-    }
     statistics.coarseTriangles = scene->triangles.size();
     statistics.lights = lights.lights().size();
     statistics.sceneBytes = scene->triangles.size() * (sizeof(scene::Triangle) + sizeof(Vec3)) +

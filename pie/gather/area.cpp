@@ -61,6 +61,53 @@ std::vector<bool> findDuplicates(const scene::Scene& scene) {
     return duplicate;
 }
 
+/// A polygon in its own plane, as seen from the receiver.
+struct Flat {
+    std::array<dvec2, 8> corners;
+    std::size_t count = 0;
+    double height = 0;    ///< of the plane from the receiver
+    double areaScale = 1; ///< square units of the polygon per square unit of `corners`
+
+    [[nodiscard]] std::span<const dvec2> span() const { return {corners.data(), count}; }
+};
+
+/// The polygon as it is.
+Flat flatten(const Polygon& polygon, const dvec3& normal) {
+    Flat flat;
+    const Frame frame{Vec3(normal)};
+    const dvec3 u = glm::normalize(dvec3(frame.tangent) - normal * glm::dot(normal, dvec3(frame.tangent)));
+    const dvec3 v = glm::cross(normal, u);
+    flat.count = polygon.count;
+    for (std::size_t i = 0; i < polygon.count; ++i)
+        flat.corners[i] = {glm::dot(polygon.corners[i], u), glm::dot(polygon.corners[i], v)};
+    if (polygon.count > 0) flat.height = glm::dot(polygon.corners[0], normal);
+    return flat;
+}
+
+/// Its shadow along `up`, of which the polygon is 1/|cosine| times as large: what a cylinder's kernel sees.
+Flat project(const Polygon& polygon, const dvec3& normal, const dvec3& up) {
+    const double cosine = glm::dot(normal, up);
+    if (!(std::abs(cosine) > 1e-6)) return {};
+    Flat flat = flatten(polygon, cosine > 0 ? up : -up);
+    flat.height = 0;
+    flat.areaScale = 1 / std::abs(cosine);
+    return flat;
+}
+
+/// Stretched along `up`, so that an ellipsoid about the receiver becomes a ball.
+Flat stretch(const Polygon& polygon, const dvec3& normal, const dvec3& up, double factor) {
+    Polygon stretched = polygon;
+    for (std::size_t i = 0; i < polygon.count; ++i)
+        stretched.corners[i] += (factor - 1) * glm::dot(polygon.corners[i], up) * up;
+    // Areas as vectors: the part along `up` is that of the shadow, which stays; the rest grows.
+    const double along = glm::dot(normal, up);
+    const dvec3 area = along * up + factor * (normal - along * up);
+    const double length = glm::length(area);
+    Flat flat = flatten(stretched, area / length);
+    flat.areaScale = 1 / length;
+    return flat;
+}
+
 float usableRadius(const scene::Scene& scene, float wanted) {
     const float diagonal = glm::length(scene.bounds.size());
     if (!(wanted > 0.0F)) return 0.0F;
@@ -75,8 +122,13 @@ Vec3 litNormal(const scene::Scene& scene, const photons::Photon& photon) {
     return glm::dot(photon.direction, normal) > 0.0F ? -normal : normal;
 }
 
-TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius)
-    : scene_(scene), kernel_(kernel), slice_(slice), maxRadius_(usableRadius(scene, maxRadius)) {
+TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius,
+                   SearchVolume volume)
+    : scene_(scene), kernel_(kernel), volume_(volume), slice_(slice), maxRadius_(usableRadius(scene, maxRadius)) {
+    if (volume_ == SearchVolume::Sphere) {
+        volume_ = SearchVolume::Slice;
+        slice_.halfThickness = std::numeric_limits<float>::infinity();
+    }
     // Cells about as wide as the ball, but no more of them than a few per triangle.
     const Vec3 size = scene.bounds.size();
     const float widest = std::max({size.x, size.y, size.z});
@@ -168,8 +220,10 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
     const auto thickness = static_cast<double>(slice_.halfThickness);
     const dvec3 centre(point);
     const dvec3 up(normal);
-    forEachFacing({point - Vec3(largest), point + Vec3(largest)}, normal, [&](std::uint32_t t) {
-        if (squaredDistance(outlines_[t].box, point) >= largest * largest) return;
+    const float extent = extentSquared(largest);
+    const Vec3 reach(std::sqrt(extent));
+    forEachFacing({point - reach, point + reach}, normal, [&](std::uint32_t t) {
+        if (squaredDistance(outlines_[t].box, point) >= extent) return;
 
         Polygon polygon;
         double lowest = std::numeric_limits<double>::max();
@@ -182,24 +236,35 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
         }
         if (lowest > thickness || highest < -thickness) return;
 
-        const dvec3 ab = polygon.corners[1] - polygon.corners[0];
-        const dvec3 facing = glm::cross(ab, polygon.corners[2] - polygon.corners[0]);
+        const dvec3 facing =
+            glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]);
         const double twiceArea = glm::length(facing);
         if (!(twiceArea > 0)) return;
         const dvec3 n = facing / twiceArea;
-        const dvec3 u = ab / glm::length(ab);
-        const dvec3 v = glm::cross(n, u);
-        const double height = glm::dot(polygon.corners[0], n);
         if (highest > thickness) clip(polygon, up, 1, thickness);
         if (lowest < -thickness) clip(polygon, up, -1, thickness);
 
-        std::array<dvec2, 8> flat;
-        for (std::size_t i = 0; i < polygon.count; ++i)
-            flat[i] = {glm::dot(polygon.corners[i], u), glm::dot(polygon.corners[i], v)};
-        const FlatPolygon shape(std::span<const dvec2>(flat.data(), polygon.count));
-        for (std::size_t i = 0; i < radii.size(); ++i)
-            integrals[i] += std::max(0.0, shape.integral({kernel_, height, static_cast<double>(radii[i])}));
+        const auto add = [&](const Flat& flat, const FlatPolygon& shape, std::size_t i) {
+            const PlaneKernel kernel{kernel_, flat.height, static_cast<double>(radii[i])};
+            integrals[i] += flat.areaScale * std::max(0.0, shape.integral(kernel));
+        };
+        if (volume_ == SearchVolume::Ellipsoid) {
+            for (std::size_t i = 0; i < radii.size(); ++i) {
+                const auto radius = static_cast<double>(radii[i]);
+                const Flat flat = stretch(polygon, n, up, radius / std::clamp(thickness, 1e-3 * radius, radius));
+                add(flat, FlatPolygon(flat.span()), i);
+            }
+            return;
+        }
+        const Flat flat = volume_ == SearchVolume::Cylinder ? project(polygon, n, up) : flatten(polygon, n);
+        const FlatPolygon shape(flat.span());
+        for (std::size_t i = 0; i < radii.size(); ++i) add(flat, shape, i);
     });
+}
+
+float TrueArea::extentSquared(float radius) const {
+    const float thick = volume_ == SearchVolume::Cylinder ? slice_.halfThickness : 0.0F;
+    return radius * radius + thick * thick;
 }
 
 double TrueArea::integral(const Vec3& point, const Vec3& normal, float radius) const {

@@ -1,7 +1,8 @@
 #pragma once
-// The surface that exists: the integral of a kernel over the surfaces of the scene inside the kernel's ball, inside the
-// slice (pi-engine fig 3.8) and facing like the receiver. It replaces the π r² of the paper, which at an edge counts
-// twice and in a corner four times the surface there is (boundary bias, pi-engine 3.5.2).
+// The surface that exists: the integral of a kernel over the surfaces of the scene inside the search volume (a ball cut
+// to a slice, pi-engine fig 3.8, or another: SearchVolume) and facing like the receiver. It replaces the π r² of the
+// paper, which at an edge counts twice and in a corner four times the surface there is (boundary bias,
+// pi-engine 3.5.2).
 //
 // TrueArea answers exactly, for one receiver and some radii: each triangle is clipped by the slice, then cut with the
 // circle in which the ball meets its plane; sectors and triangles have closed forms (the straight parts of Cone and
@@ -15,6 +16,7 @@
 
 #include "pie/core/vec.h"
 #include "pie/gather/kernel.h"
+#include "pie/gather/search_volume.h"
 #include "pie/photons/photon.h"
 #include "pie/scene/receivers.h"
 #include "pie/scene/scene.h"
@@ -59,8 +61,10 @@ struct SurfaceTest {
 class TrueArea {
 public:
     /// Keeps a reference to `scene`. Radii asked for must not be larger than `maxRadius`, which is cut down to the
-    /// diagonal of the scene.
-    TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius);
+    /// diagonal of the scene. A Sphere is a Slice of infinite thickness.
+    TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius,
+             SearchVolume volume = SearchVolume::Slice);
+    [[nodiscard]] SearchVolume volume() const { return volume_; }
     [[nodiscard]] float maxRadius() const { return maxRadius_; }
     [[nodiscard]] Kernel kernel() const { return kernel_; }
     [[nodiscard]] const SliceOptions& slice() const { return slice_; }
@@ -78,9 +82,12 @@ private:
     [[nodiscard]] Cells cellsOf(const Box& box) const;
     template <class Visit> void forEachFacing(const Box& box, const Vec3& normal, const Visit& visit) const;
     [[nodiscard]] bool faces(std::uint32_t triangle, const Vec3& normal) const;
+    /// Square of the largest distance from the receiver within the volume of this radius.
+    [[nodiscard]] float extentSquared(float radius) const;
 
     const scene::Scene& scene_;
     Kernel kernel_;
+    SearchVolume volume_;
     SliceOptions slice_;
     float maxRadius_;
     // A uniform grid over the triangles that can store photons; a triangle is listed in every cell its box touches.

@@ -99,7 +99,7 @@ TEST(Settings, NamesOfChoicesStandInTheOrderOfTheEnumerations) {
     EXPECT_EQ(s.scattering, photons::TracerOptions::Scattering::Splitting);
     EXPECT_EQ(s.intersector, intersect::Kind::Bsp);
     EXPECT_EQ(s.estimator, EstimatorKind::Nearest);
-    EXPECT_EQ(s.kernel, KernelKind::Constant);
+    EXPECT_EQ(s.kernel, gather::Kernel::Constant);
     EXPECT_EQ(s.photonMap, PhotonMapKind::Exact);
     EXPECT_EQ(s.directLight, DirectLight::Photons);
     EXPECT_EQ(s.reflectance, scene::ReflectanceModel::Compiler);
@@ -111,6 +111,39 @@ TEST(Settings, NamesOfChoicesStandInTheOrderOfTheEnumerations) {
     EXPECT_EQ(s.intersector, intersect::Kind::Embree);
     ASSERT_TRUE(s.setOptions("view=lit"));
     EXPECT_EQ(s.view, View::Lit);
+}
+
+TEST(Settings, NamesOfEstimatesStandInTheOrderOfTheEnumerations) {
+    Settings s;
+    ASSERT_TRUE(s.setOptions("kernel=cone area=ellipse search_volume=cylinder search_radius=progressive"));
+    EXPECT_EQ(s.kernel, gather::Kernel::Cone);
+    EXPECT_EQ(s.area, gather::AreaEstimate::Ellipse);
+    EXPECT_EQ(s.searchVolume, gather::SearchVolume::Cylinder);
+    EXPECT_EQ(s.searchRadius, gather::RadiusRule::Progressive);
+    ASSERT_TRUE(s.setOptions("kernel=gaussian area=convex_hull search_volume=ellipsoid search_radius=fixed"));
+    EXPECT_EQ(s.kernel, gather::Kernel::Gaussian);
+    EXPECT_EQ(s.area, gather::AreaEstimate::Hull);
+    EXPECT_EQ(s.volume(), gather::SearchVolume::Ellipsoid);
+    EXPECT_EQ(s.searchRadius, gather::RadiusRule::Fixed);
+    ASSERT_TRUE(s.setOptions("area=true_area search_volume=sphere"));
+    EXPECT_EQ(s.area, gather::AreaEstimate::True);
+    EXPECT_EQ(s.searchVolume, gather::SearchVolume::Sphere);
+    ASSERT_TRUE(s.setOptions("area=box"));
+    EXPECT_EQ(s.area, gather::AreaEstimate::Box);
+    ASSERT_TRUE(s.setOptions("area=oriented_box"));
+    EXPECT_EQ(s.area, gather::AreaEstimate::OrientedBox);
+}
+
+TEST(Settings, OldNamesOfEstimatesKeepTheirMeaning) {
+    Settings s;
+    EXPECT_EQ(s.volume(), gather::SearchVolume::Slice);
+    ASSERT_TRUE(s.setOptions("use_sphere_slice=false estimator=nearest"));
+    EXPECT_EQ(s.volume(), gather::SearchVolume::Sphere);
+    EXPECT_FALSE(s.usesTrueArea());
+    ASSERT_TRUE(s.setOptions("estimator=true_area"));
+    EXPECT_TRUE(s.usesTrueArea());
+    ASSERT_TRUE(s.setOptions("estimator=nearest area=true_area"));
+    EXPECT_TRUE(s.usesTrueArea());
 }
 
 TEST(Settings, OptionStringsAreSplitAtBlanks) {
@@ -138,7 +171,7 @@ TEST(Settings, UnknownKeysSuggestTheNearestName) {
         {"colour_space", "color_space"},
         {"accumulation", "accumulation_frames"},
         {"veiw", "view"},
-        {"radius", "max_search_radius"},
+        {"radius", "search_radius"},
     };
     for (const auto& [typed, meant] : cases) {
         Settings s;

@@ -88,10 +88,10 @@ TEST(NearestPhotons, DividesTheFluxOfKMinusOneByTheDiscOfTheKth) {
     g.options.maxCount = 3;
     EXPECT_FLOAT_EQ(g.estimate(false)[0].x, (1.0F + 2.0F) / (pi * 9.0F));
     EXPECT_FLOAT_EQ(g.estimate(false)[0].y, 2.0F * (1.0F + 2.0F) / (pi * 9.0F));
-    g.options.dropFarthest = false;
+    g.options.dropBorder = false;
     EXPECT_FLOAT_EQ(g.estimate(false)[0].x, (1.0F + 2.0F + 3.0F) / (pi * 9.0F));
     g.options.maxCount = 9; // fewer there are: the largest radius, and all of them
-    g.options.dropFarthest = true;
+    g.options.dropBorder = true;
     EXPECT_FLOAT_EQ(g.estimate(false)[0].x, 15.0F / (pi * 400.0F));
     g.options.maxCount = 0;
     EXPECT_EQ(g.estimate(false)[0], Rgb(0.0F));
@@ -125,7 +125,7 @@ TEST(NearestPhotons, SliceAndDirectionKeepOtherSurfacesOut) {
     EXPECT_EQ(g.estimate(false)[0].x, 0.0F);
     g.options.incomingDirection = false;
     EXPECT_FLOAT_EQ(g.estimate(false)[0].x, one);
-    g.options.sphereSlice = false;
+    g.options.volume = SearchVolume::Sphere;
     EXPECT_FLOAT_EQ(g.estimate(false)[0].x, 2.0F * one);
 }
 
@@ -204,7 +204,7 @@ TEST(NearestPhotons, KMinusOneIsUnbiasedWhereKIsNot) {
     // 4000 estimates with a relative standard deviation of 1/sqrt(3): standard error 0.9 %, hence 4 sigma = 3.7 %.
     EXPECT_NEAR(mean(g.estimate(false)), 1.0, 0.037);
     EXPECT_NEAR(mean(g.estimate(true)), 1.0, 0.037);
-    g.options.dropFarthest = false;
+    g.options.dropBorder = false;
     EXPECT_NEAR(mean(g.estimate(false)), 1.25, 0.046);
 }
 
