@@ -1,5 +1,7 @@
 #include "pie/engine/engine.h"
 
+#include "pie/engine/options.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,31 +13,11 @@ namespace {
 
 bool showsOurLight(const Settings& settings) { return settings.view == View::Lit || settings.view == View::Light; }
 
-scene::SceneOptions sceneOptions(const Settings& settings) {
-    scene::SceneOptions options;
-    options.reflectance = settings.reflectance;
-    options.maxReflectance = settings.maxReflectance;
-    options.linear = settings.colorSpace == ColorSpace::Srgb;
-    return options;
-}
-
 scene::RefineOptions refineOptions(const Settings& settings) {
     scene::RefineOptions options;
     options.maxSplits = static_cast<std::size_t>(settings.meshRefinement);
     options.maxEdge = settings.maxEdge;
     options.maxTriangles = static_cast<std::size_t>(settings.maxTriangles);
-    return options;
-}
-
-lights::ImportOptions importOptions(const Settings& settings) {
-    lights::ImportOptions options;
-    options.entities = settings.lightEntities;
-    options.scripts = settings.lightScripts;
-    options.backsplash = settings.backsplash;
-    options.pointScale = settings.pointScale * settings.lightScale;
-    options.areaScale = settings.areaScale * settings.lightScale;
-    options.skyScale = settings.skyScale * settings.lightScale;
-    options.linear = settings.colorSpace == ColorSpace::Srgb;
     return options;
 }
 
