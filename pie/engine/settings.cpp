@@ -116,6 +116,7 @@ std::vector<std::string> Settings::warnings() const {
     idle("diffuse_reflections", !roulette, "scattering is roulette");
     idle("max_search_radius", !useRadiusHeuristic, "use_radius_heuristic is on");
     idle("radius_heuristic_alpha", useRadiusHeuristic, "use_radius_heuristic is off");
+    idle("snowball_radius", snowballSize > 1, "snowball_size is 1");
     idle("area", estimator == EstimatorKind::Nearest, "estimator is not nearest");
     idle("progressive_alpha", searchRadius == gather::RadiusRule::Progressive, "search_radius is not progressive");
     idle("max_search_count", searchRadius != gather::RadiusRule::Fixed || useRadiusHeuristic, "search_radius is fixed");

@@ -60,6 +60,8 @@ struct Settings {
     int recursionDepth = 8;
     int diffuseReflections = 36;
     bool storeDirectLight = false;
+    int snowballSize = 1;      ///< photons stored for one hit
+    float snowballRadius = 16; ///< units
     sampling::Distribution lightDistribution = sampling::Distribution::Halton;
     sampling::Distribution diffuseDistribution = sampling::Distribution::Halton;
     std::uint64_t seed = 0;

@@ -110,6 +110,13 @@ constexpr std::array table{
         "pi-engine parameter 15, 3.4"},
     Row{"diffuse_distribution", "Photons", choice<&Settings::diffuseDistribution>(distributionNames), 0, 0, "",
         "The same for the directions of reflections.", "pi-engine parameter 16, eq 3.11"},
+    Row{"snowball_size", "Photons", &Settings::snowballSize, 1, 64, "photons",
+        "Photons that one hit fills into the map, spread over a small circle on its triangle. Smoother without a ray "
+        "more; "
+        "longer searches, and max_search_count has to grow along.",
+        "pi-engine parameter 14"},
+    Row{"snowball_radius", "Photons", &Settings::snowballRadius, 0, unbounded, "units",
+        "Radius of that circle. Larger: smoother, and light leaks into shadows.", "pi-engine parameter 14"},
     Row{"seed", "Photons", &Settings::seed, 0, 0, "",
         "Same seed, same bits, on any number of threads. Another seed shows what in a picture is noise.", ""},
     Row{"intersector", "Photons", choice<&Settings::intersector>(intersectorNames), 0, 0, "",

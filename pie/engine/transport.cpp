@@ -5,6 +5,7 @@
 #include "pie/gather/nearest_photons.h"
 #include "pie/intersect/intersector.h"
 #include "pie/maps/realtime.h"
+#include "pie/maps/snowball.h"
 #include "pie/photons/tracer.h"
 
 #include <fmt/format.h>
@@ -150,6 +151,7 @@ bool Transport::advance() {
     const auto perFrame = static_cast<std::uint64_t>(s.settings.photonsFromLight);
     std::vector<photons::Photon> photons;
     const photons::TraceCounts counts = s.tracer.trace(s.framesTraced * perFrame, perFrame, photons);
+    maps::snowball(photons, *s.scene, static_cast<unsigned>(s.settings.snowballSize), s.settings.snowballRadius);
     const double traceMs = millisecondsSince(start);
 
     const std::lock_guard lock(s.mutex);

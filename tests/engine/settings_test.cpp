@@ -39,6 +39,7 @@ std::string otherValue(const SettingInfo& info) {
     }
     if (info.syntax == "<folder>:<folder>") return "/a:/b";
     if (info.syntax == "<folder>") return "/a";
+    if (info.syntax == "<integer>" && info.defaultValue == "1") return "2";
     // Half of the default or, from zero, one: inside every range of the table.
     if (info.defaultValue == "0") return "1";
     const double half = std::stod(info.defaultValue) / 2;
