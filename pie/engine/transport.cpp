@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 
 namespace pie::engine {
@@ -216,8 +217,12 @@ void Transport::explain(std::span<const std::uint32_t> which, std::span<gather::
     s.estimator->explain(which, out);
     if (!s.direct) return;
     std::vector<Rgb> direct(which.size());
-    s.direct->estimate(which, direct);
-    for (std::size_t i = 0; i < which.size(); ++i) out[i].irradiance += direct[i];
+    std::vector<float> variance(which.size());
+    s.direct->estimate(which, direct, variance);
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        out[i].irradiance += direct[i];
+        out[i].standardError = std::hypot(out[i].standardError, std::sqrt(variance[i]));
+    }
 }
 
 Statistics Transport::statistics() const {
