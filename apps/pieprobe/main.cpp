@@ -249,7 +249,8 @@ Exit probe(const Arguments& a) {
     watch.stage("load");
 
     const std::vector<Placed> placed =
-        pieprobe::place(*lit.scene, points.points, a.tolerance.value_or(pieprobe::defaultTolerance(*lit.scene)));
+        pieprobe::place(*lit.scene, points.points, a.tolerance.value_or(pieprobe::defaultTolerance(*lit.scene)),
+                        pieprobe::insetFor(*lit.scene, a.reference));
     pie::scene::Receivers receivers;
     std::vector<std::size_t> of;
     std::vector<Answer> answers(placed.size());

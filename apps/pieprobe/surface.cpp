@@ -49,9 +49,7 @@ dvec3 nearestOn(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& p) 
 
 class Finder {
 public:
-    Finder(const Scene& scene, double tolerance) : scene_(scene), tolerance_(tolerance) {
-        const double diagonal = scene.bounds.empty() ? 0.0 : double{glm::length(scene.bounds.size())};
-        inset_ = std::min(1.0, diagonal / 1024);
+    Finder(const Scene& scene, double tolerance, double inset) : scene_(scene), tolerance_(tolerance), inset_(inset) {
         for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
             pie::Box box;
             for (int i = 0; i < 3; ++i) box.extend(scene.corner(t, i));
@@ -158,7 +156,7 @@ private:
 
     const Scene& scene_;
     double tolerance_;
-    double inset_ = 1;
+    double inset_;
     std::vector<pie::Box> boxes_;
 };
 
@@ -171,8 +169,13 @@ double defaultTolerance(const Scene& scene) {
                     8e-6 * double{pie::lights::largestCoordinate(scene.bounds, Vec3(0.0F))});
 }
 
-std::vector<Placed> place(const Scene& scene, const std::vector<Point>& points, double tolerance) {
-    const Finder find(scene, tolerance);
+double insetFor(const Scene& scene, bool reference) {
+    const double diagonal = scene.bounds.empty() ? 0.0 : double{glm::length(scene.bounds.size())};
+    return std::min(1.0, diagonal / 1024) * (reference ? 0.125 : 1.0);
+}
+
+std::vector<Placed> place(const Scene& scene, const std::vector<Point>& points, double tolerance, double inset) {
+    const Finder find(scene, tolerance, inset);
     std::vector<Placed> placed(points.size());
     pie::parallelChunks(points.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) placed[i] = find(points[i]);
