@@ -170,14 +170,27 @@ template <class Map> void NearestPhotons::find(const Map& map, Search& search) c
     const bool directOnly = search.directOnly;
     const bool indirectOnly = options_.indirectOnly && !directOnly;
     const maps::Slab slab{at.normal, thickness};
+    // Where the radius that a photon needs is its distance, the plain search is a tenth faster.
+    const bool plain = options_.volume == SearchVolume::Slice && thickness < std::numeric_limits<float>::infinity();
     const auto look = [&](const auto& accept) {
-        map.nearestBy(
-            at.position, search.count, search.maxRadius, slab, volume.surplus(),
-            [&](const Photon& photon, float distanceSquared) {
-                if (photon.bounce == 0 ? indirectOnly : directOnly) return -1.0F;
-                return accept(photon) ? volume.needed(photon.position, distanceSquared) : -1.0F;
-            },
-            search.queue);
+        const auto counts = [&](const Photon& photon) {
+            return !(photon.bounce == 0 ? indirectOnly : directOnly) && accept(photon);
+        };
+        if (plain)
+            map.nearest(
+                at.position, search.count, search.maxRadius, slab,
+                [&](const Photon& photon) {
+                    const float height = glm::dot(photon.position - at.position, at.normal); // eq 3.12
+                    return height <= thickness && height >= -thickness && counts(photon);
+                },
+                search.queue);
+        else
+            map.nearestBy(
+                at.position, search.count, search.maxRadius, slab, volume.surplus(),
+                [&](const Photon& photon, float distanceSquared) {
+                    return counts(photon) ? volume.needed(photon.position, distanceSquared) : -1.0F;
+                },
+                search.queue);
     };
     if (table_ != nullptr)
         look([test = SurfaceTest{scene_, at.position, at.normal, options_.slice, at.twoSided}](const Photon& photon) {

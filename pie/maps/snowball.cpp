@@ -47,8 +47,8 @@ void snowball(std::vector<photons::Photon>& photons, const scene::Scene& scene, 
             photon.flux /= static_cast<float>(copies);
             const Frame frame(scene.normals[photon.triangle]);
             const std::uint64_t key = keyOf(photon.position);
-            const double shiftX = static_cast<double>(sampling::hash01(key, 1));
-            const double shiftY = static_cast<double>(sampling::hash01(key, 2));
+            const auto shiftX = static_cast<double>(sampling::hash01(key, 1));
+            const auto shiftY = static_cast<double>(sampling::hash01(key, 2));
             for (std::size_t j = 0; j < copies; ++j) {
                 photons::Photon copy = photon;
                 copy.id = static_cast<std::uint32_t>(i * copies + j);
