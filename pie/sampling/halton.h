@@ -50,8 +50,9 @@ struct HaltonRow {
             const std::uint64_t rest = quotient(first + i);
             const double* digits = values + (first + i - rest * size);
             const double high = above(rest);
-            const std::size_t end =
-                std::min<std::size_t>(out.size(), i + static_cast<std::size_t>(values + size - digits));
+            // To the end of the block of digits, or to where indices begin again.
+            const auto left = static_cast<std::uint64_t>(values + size - digits) - 1;
+            const std::size_t end = std::min<std::size_t>(out.size(), i + std::min(left, ~(first + i)) + 1);
             for (; i < end; ++i) out[i] = number(*digits++, high);
         }
     }
