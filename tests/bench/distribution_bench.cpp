@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <exception>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -255,7 +256,7 @@ std::size_t boxPatch(const Vec3& p, const Vec3& size) {
     return (wall * 4 + cell(axis + 1)) * 4 + cell(axis + 2);
 }
 
-Bench cube(std::string_view name, bool lamps) {
+Bench cube(std::string_view name, bool lamps, unsigned depth) {
     Bench bench;
     bench.name = name;
     constexpr float side = 512;
@@ -264,6 +265,7 @@ Bench cube(std::string_view name, bool lamps) {
     room.inside(Vec3(0.0F), Vec3(side), {grey, grey, grey, grey, grey, grey});
     bench.scene = room.build();
     bench.patches = 96;
+    bench.options.recursionDepth = depth;
     bench.patchOf = [](const Vec3& p) { return boxPatch(p, Vec3(side)); };
     std::vector<pie::lights::Light> list;
     if (lamps) {
@@ -298,44 +300,63 @@ double error(const Bench& bench, TracerOptions how, std::uint64_t count, double&
     return std::sqrt(squares);
 }
 
+/// What the light draws from, what reflections draw from.
+using Pair = std::pair<Distribution, Distribution>;
+
+std::vector<Pair> pairs() {
+    std::vector<Pair> all;
+    for (const Distribution distribution : allDistributions) all.emplace_back(distribution, distribution);
+    all.emplace_back(Distribution::Spiral, Distribution::Stratified); // the paper's choice
+    all.emplace_back(Distribution::Spiral, Distribution::Halton);
+    return all;
+}
+
 void light(std::uint64_t largest) {
     fmt::print("scene,distribution,photons,rays,error\n");
-    const Bench benches[]{plane(), sphere(), cube("cube", false), cube("lamps", true)};
+    const Bench benches[]{plane(), sphere(), cube("cube", false, 8), cube("lamps", true, 8)};
     for (const Bench& bench : benches)
-        for (const Distribution distribution : allDistributions)
+        for (const auto& [emission, reflection] : pairs())
             for (std::uint64_t count = 1000; count <= largest; count *= 2) {
                 TracerOptions how = bench.options;
-                how.lightDistribution = how.diffuseDistribution = distribution;
+                how.lightDistribution = emission;
+                how.diffuseDistribution = reflection;
                 double rays = 0;
                 const double off = error(bench, how, count, rays);
-                fmt::print("{},{},{},{:.0f},{:.6g}\n", bench.name, distributionName(distribution), count, rays, off);
+                const std::string name = emission == reflection
+                                             ? distributionName(emission)
+                                             : distributionName(emission) + "+" + distributionName(reflection);
+                fmt::print("{},{},{},{:.0f},{:.6g}\n", bench.name, name, count, rays, off);
+                std::fflush(stdout);
             }
 }
 
 // rays
 
 void equalRays() {
-    fmt::print("scattering,photons,rays,error\n");
-    const Bench bench = cube("cube", false);
-    const auto line = [&](const std::string& name, const TracerOptions& how, std::uint64_t count) {
-        double rays = 0;
-        const double off = error(bench, how, count, rays);
-        fmt::print("{},{},{:.0f},{:.6g}\n", name, count, rays, off);
-    };
-    for (std::uint64_t count = 1000; count <= 256'000; count *= 2) line("roulette", bench.options, count);
-    for (const unsigned children : {2U, 4U, 36U})
-        for (std::uint64_t count = 1; count <= 256'000; count *= 2) {
+    fmt::print("depth,scattering,photons,rays,error\n");
+    for (const unsigned depth : {1U, 8U}) {
+        const Bench bench = cube("cube", false, depth);
+        const auto line = [&](const std::string& name, const TracerOptions& how, std::uint64_t count) {
+            double rays = 0;
+            const double off = error(bench, how, count, rays);
+            fmt::print("{},{},{},{:.0f},{:.6g}\n", depth, name, count, rays, off);
+        };
+        for (std::uint64_t count = 1000; count <= 256'000; count *= 2) line("roulette", bench.options, count);
+        for (const unsigned children : {2U, 4U, 36U}) {
             TracerOptions how = bench.options;
             how.scattering = TracerOptions::Scattering::Splitting;
             how.diffuseReflections = children;
             // Rays of a photon: 1 + n + n² … up to the bound, then as many at every depth.
             double paths = 1;
             double perPhoton = 1;
-            for (unsigned depth = 0; depth < how.recursionDepth; ++depth)
+            for (unsigned i = 0; i < depth; ++i)
                 perPhoton += paths = paths * children <= pie::photons::maxPathsPerPhoton ? paths * children : paths;
-            const double rays = perPhoton * static_cast<double>(count);
-            if (rays >= 2000 && rays <= 800'000) line(fmt::format("split_{}", children), how, count);
+            for (std::uint64_t count = 1; count <= 256'000; count *= 2) {
+                const double rays = perPhoton * static_cast<double>(count);
+                if (rays >= 2000 && rays <= 800'000) line(fmt::format("split_{}", children), how, count);
+            }
         }
+    }
 }
 
 // time
@@ -383,7 +404,7 @@ void time() {
 
 } // namespace
 
-int main(int argumentCount, char** arguments) {
+int main(int argumentCount, char** arguments) try {
     const std::string_view wanted = argumentCount > 1 ? arguments[1] : "";
     const auto largest = [&](std::uint64_t usual) {
         return argumentCount > 2 ? std::strtoull(arguments[2], nullptr, 10) : usual;
@@ -400,4 +421,6 @@ int main(int argumentCount, char** arguments) {
     else
         return fmt::print(stderr, "distribution_bench spread|light|rays|time\n"), 1;
     return 0;
+} catch (const std::exception& problem) {
+    return fmt::print(stderr, "{}\n", problem.what()), 1;
 }
