@@ -56,10 +56,11 @@ private:
     static void scan(const fs::path& folder, Listing& into) {
         std::error_code ignored;
         for (fs::directory_iterator it(folder, ignored), end; !ignored && it != end; it.increment(ignored)) {
+            // What the folder itself says of an entry; only links cost a look of their own.
             std::error_code error;
-            const fs::file_status status = it->status(error);
-            if (error || !(fs::is_regular_file(status) || fs::is_directory(status))) continue;
-            Entry entry{it->path().filename().string(), fs::is_directory(status)};
+            const bool isFolder = it->is_directory(error);
+            if (error || (!isFolder && !it->is_regular_file(error))) continue;
+            Entry entry{it->path().filename().string(), isFolder};
             // Two names that differ in case only: which one the system lists first must not matter.
             const auto [known, isNew] = into.try_emplace(lower(entry.realName), entry);
             if (!isNew && entry.realName < known->second.realName) known->second = std::move(entry);
@@ -148,7 +149,9 @@ Result<Bytes> readWholeFile(const fs::path& path) {
     const std::uintmax_t size = fs::file_size(path, error);
     if (error) return Error{path.string(), "", "cannot be read: " + error.message(), ""};
     if (size > maxFileBytes) return Error{path.string(), "", "is larger than 1 GiB", ""};
-    std::ifstream stream(path, std::ios::binary);
+    std::ifstream stream;
+    stream.rdbuf()->pubsetbuf(nullptr, 0); // read in one piece, straight to where it goes
+    stream.open(path, std::ios::binary);
     Bytes bytes(size);
     // The stream's character type is char; looking at bytes through it is allowed.
     if (!stream || !stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))

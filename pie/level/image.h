@@ -1,5 +1,5 @@
 #pragma once
-// Pictures through OpenImageIO, from the virtual file system.
+// Pictures from the virtual file system: tga and jpg by decoders of our own or libjpeg's, others through OpenImageIO.
 
 #include "pie/core/result.h"
 #include "pie/core/vec.h"

@@ -1,6 +1,7 @@
 // All levels that Debian ships, against a second reading of their files that shares no code with the library.
 
 #include "pie/level/bsp.h"
+#include "pie/level/decoders.h"
 #include "pie/level/level.h"
 #include "pie/level/patch.h"
 #include "tests/support/game_data.h"
@@ -333,4 +334,36 @@ TEST(Shipped, PicturesOfALevelAreAllDecoded) {
     }
     EXPECT_FALSE(level.tree.leaves.empty());
     EXPECT_GE(level.tree.leaves[level.tree.leafAt(level.firstView().eye)].cluster, 0);
+}
+
+/// Every eighth: OpenImageIO needs several times as long.
+TEST(ShippedPictures, OurDecodersMakeOfThemWhatOpenImageIoMakes) {
+    PIE_NEED_GAME_DATA();
+    const GameData& game = GameData::instance();
+    std::size_t compared = 0;
+    for (const std::string extension : {"tga", "jpg"}) {
+        const std::vector<std::string> names = game.files.list("textures", "." + extension);
+        for (std::size_t i = 0; i < names.size(); i += 8) {
+            const Result<Bytes> bytes = game.files.read(names[i]);
+            ASSERT_TRUE(bytes);
+            const auto ours = extension == "tga" ? decodeTga(*bytes) : decodeJpeg(*bytes);
+            ASSERT_TRUE(ours) << names[i];
+            ASSERT_TRUE(ours->image) << names[i] << ": " << ours->failure;
+            Decoding other = decodeOther(*bytes, extension);
+            ASSERT_TRUE(other.image) << names[i] << ": " << other.failure;
+            const auto width = static_cast<std::size_t>(other.image->width);
+            const auto height = static_cast<std::size_t>(other.image->height);
+            // The game takes a TGA that starts above for one that starts below.
+            if (extension == "tga" && (std::to_integer<unsigned>((*bytes)[17]) & 0x20U) != 0)
+                for (std::size_t y = 0; y < height / 2; ++y)
+                    for (std::size_t x = 0; x < width; ++x)
+                        std::swap(other.image->pixels[y * width + x],
+                                  other.image->pixels[(height - 1 - y) * width + x]);
+            ASSERT_EQ(ours->image->width, other.image->width) << names[i];
+            EXPECT_EQ(ours->image->pixels, other.image->pixels) << names[i];
+            EXPECT_EQ(ours->image->hasAlpha, other.image->hasAlpha) << names[i];
+            ++compared;
+        }
+    }
+    EXPECT_GT(compared, 100U);
 }
