@@ -1,6 +1,7 @@
 #pragma once
 // Pictures from the virtual file system: tga and jpg by decoders of our own or libjpeg's, others through OpenImageIO.
 
+#include "pie/core/bulk.h"
 #include "pie/core/result.h"
 #include "pie/core/vec.h"
 
@@ -8,7 +9,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace pie::level {
 
@@ -18,7 +18,7 @@ class Vfs;
 struct Image {
     int width = 0, height = 0;
     bool hasAlpha = false; ///< some pixel is not opaque
-    std::vector<Rgba8> pixels;
+    BulkVector<Rgba8> pixels; ///< what resize() adds has no value yet
 
     /// Mean of the stored values, 0 to 1 per channel; alpha is the mean alpha. `colour` is weighted by nothing: the
     /// mean texel.

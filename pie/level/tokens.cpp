@@ -79,14 +79,32 @@ std::optional<Token> Tokens::nextOnLine() {
 
 void Tokens::skipLine() { at_ = std::min(text_.find_first_of("\r\n", at_), text_.size()); }
 
+/// What next() would find, without making words of it: a level uses a few dozen of thousands of definitions.
 bool Tokens::skipBlock() {
-    for (int depth = 1; depth > 0;) {
-        const std::optional<Token> token = next();
-        if (!token) return false;
-        if (token->is('{')) ++depth;
-        if (token->is('}')) --depth;
+    const auto commentAt = [this](std::size_t i) {
+        return text_[i] == '/' && i + 1 < text_.size() && (text_[i + 1] == '/' || text_[i + 1] == '*');
+    };
+    int depth = 1;
+    while (at_ < text_.size()) {
+        const char c = text_[at_];
+        if (c == '\n') {
+            ++line_;
+            lineStart_ = ++at_;
+        } else if (isSpace(c)) {
+            ++at_;
+        } else if (commentAt(at_)) {
+            if (!skipSpace(false)) return false;
+        } else if (c == '"') {
+            static_cast<void>(word());
+        } else {
+            const std::size_t start = at_++;
+            while (at_ < text_.size() && !isSpace(text_[at_]) && !commentAt(at_)) ++at_;
+            if (at_ - start > 1) continue;
+            if (c == '{') ++depth;
+            if (c == '}' && --depth == 0) return true;
+        }
     }
-    return true;
+    return false;
 }
 
 std::optional<float> leadingNumber(std::string_view text, std::string_view* rest) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace pie::scene {
 namespace {
@@ -36,7 +37,7 @@ std::uint32_t weightOf(const Rgba8& texel, TexelWeight weight, level::AlphaTest 
 }
 
 /// Bytes are summed as integers: exact, in any order, and the compiler makes vectors of it.
-Rgb plainMean(const std::vector<Rgba8>& pixels) {
+Rgb plainMean(std::span<const Rgba8> pixels) {
     std::array<std::uint64_t, 3> sum{};
     constexpr std::size_t block = 1U << 16U; // 255 × block fits 32 bits
     for (std::size_t begin = 0; begin < pixels.size(); begin += block) {

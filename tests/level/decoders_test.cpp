@@ -36,7 +36,7 @@ void append(Raw& bytes, std::initializer_list<int> more) {
 /// Rows top first.
 std::vector<Rgba8> pixelsOf(const std::optional<Decoding>& decoded) {
     if (!decoded || !decoded->image) return {};
-    return decoded->image->pixels;
+    return {decoded->image->pixels.begin(), decoded->image->pixels.end()};
 }
 
 Raw bytesOfFile(const std::filesystem::path& file) {

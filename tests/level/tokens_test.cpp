@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+#include <string>
+#include <string_view>
+
 using namespace pie::level;
 
 namespace {
@@ -79,6 +83,31 @@ TEST(Tokens, BlocksNestAndMayEndTooEarly) {
     Tokens quoted("\"}\" }");
     EXPECT_TRUE(quoted.skipBlock());
     EXPECT_FALSE(quoted.next());
+}
+
+TEST(Tokens, SkippingABlockIsReadingItsWords) {
+    std::minstd_rand random(7);
+    constexpr std::string_view letters = "{}{} \"/*\n\r a";
+    for (int round = 0; round < 20'000; ++round) {
+        std::string text(random() % 40, ' ');
+        for (char& c : text) c = letters[random() % letters.size()];
+        Tokens skipped(text);
+        Tokens read(text);
+        int depth = 1;
+        while (depth > 0) {
+            const auto token = read.next();
+            if (!token) break;
+            if (token->is('{')) ++depth;
+            if (token->is('}')) --depth;
+        }
+        ASSERT_EQ(skipped.skipBlock(), depth == 0) << text;
+        ASSERT_EQ(skipped.offset(), read.offset()) << text;
+        ASSERT_EQ(skipped.line(), read.line()) << text;
+        const auto next = skipped.next();
+        const auto expected = read.next();
+        ASSERT_EQ(next.has_value(), expected.has_value()) << text;
+        ASSERT_TRUE(!next || next->column == expected->column) << text;
+    }
 }
 
 TEST(Tokens, NumbersAreReadAsTheGameReadsThem) {
