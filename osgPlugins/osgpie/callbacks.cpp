@@ -1,5 +1,7 @@
 #include "osgPlugins/osgpie/callbacks.h"
 
+#include "osgPlugins/osgpie/level_node.h"
+
 #include <osg/BufferObject>
 #include <osg/FrameStamp>
 #include <osg/NodeVisitor>
@@ -24,7 +26,10 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
     const osg::FrameStamp* stamp = visitor ? visitor->getFrameStamp() : nullptr;
     const unsigned frame = stamp ? stamp->getFrameNumber() : lastFrame_ + 1;
     if (!started_ || frame != lastFrame_) {
-        if (!started_) announce();
+        if (!started_) {
+            if (auto* level = dynamic_cast<LevelNode*>(node)) level->complete();
+            announce();
+        }
         engine_->advance();
         if (engine_->settings().stats) node->setUserValue("pie.statistics", engine_->statistics().json());
         started_ = true;

@@ -61,7 +61,7 @@ private:
 } // namespace
 
 void addInitialView(LevelNode& node) {
-    const Home home = homeOf(node.engine().level());
+    const Home home = homeOf(node.level());
     osg::ref_ptr view = new osg::CameraView;
     view->setName("first player start");
     view->setPosition(home.eye);

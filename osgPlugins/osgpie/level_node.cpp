@@ -3,174 +3,59 @@
 #include "osgPlugins/osgpie/callbacks.h"
 #include "osgPlugins/osgpie/sprites.h"
 #include "osgPlugins/osgpie/state_sets.h"
-#include "pie/scene/cells.h"
-
-#include <osg/Geode>
-#include <osg/Geometry>
-#include <osg/Uniform>
-
-#include <algorithm>
-#include <map>
+#include "osgPlugins/osgpie/world.h"
 
 namespace osgpie {
 namespace {
 
-using pie::engine::View;
-
-osg::Vec3 toOsg(const pie::Vec3& v) { return {v.x, v.y, v.z}; }
-osg::Vec2 toOsg(const pie::Vec2& v) { return {v.x, v.y}; }
-
-/// Makes the drawables of one level.
-class Builder {
-public:
-    explicit Builder(std::shared_ptr<pie::engine::Engine> engine)
-        : engine_(std::move(engine)), level_(engine_->level()), mesh_(engine_->mesh()),
-          states_(engine_->sharedLevel(), engine_->settings()), placeOfVertex_(mesh_.vertices.size(), unused),
-          placeOfReceiver_(engine_->receivers().points.size(), unused) {}
-
-    osg::ref_ptr<LevelNode> build() {
-        osg::ref_ptr root = new LevelNode(engine_);
-        root->setName(level_.name);
-        const auto& settings = engine_->settings();
-        const pie::scene::CellNode cells =
-            pie::scene::makeCells(mesh_, level_, static_cast<std::size_t>(settings.cellTriangles));
-        if (const osg::ref_ptr<osg::Node> world = makeNode(cells, "world")) root->addChild(world);
-        if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level_, states_, largestLight(settings)))
-            root->addChild(sprites);
-        if (const osg::ref_ptr<osg::Node> sky = states_.makeSky()) root->addChild(sky);
-        if (showsOurLight()) root->addUpdateCallback(new AdvanceCallback(engine_));
-        return root;
-    }
-
-private:
-    static constexpr std::uint32_t unused = 0xffffffffU;
-
-    std::shared_ptr<pie::engine::Engine> engine_;
-    const pie::level::Level& level_;
-    const pie::scene::Mesh& mesh_;
-    StateSets states_;
-    /// Scratch: place of each mesh vertex (receiver) in the drawable being made; reset after use by whoever wrote it.
-    std::vector<std::uint32_t> placeOfVertex_, placeOfReceiver_;
-
-    [[nodiscard]] bool showsOurLight() const {
-        return engine_->settings().view == View::Lit || engine_->settings().view == View::Light;
-    }
-
-    osg::ref_ptr<osg::Node> makeNode(const pie::scene::CellNode& cell, const std::string& name) {
-        if (cell.children.empty()) return makeGeode(cell, name);
-        osg::ref_ptr group = new osg::Group;
-        group->setName(name);
-        for (const auto& child : cell.children)
-            if (const osg::ref_ptr<osg::Node> node = makeNode(child, "cell")) group->addChild(node);
-        return group->getNumChildren() > 0 ? group : nullptr;
-    }
-
-    osg::ref_ptr<osg::Geode> makeGeode(const pie::scene::CellNode& cell, const std::string& name) {
-        std::map<StateKey, std::vector<std::uint32_t>> byState;
-        for (const std::uint32_t t : cell.triangles) {
-            const auto& surface = level_.surfaces[mesh_.triangles[t].surface];
-            if (isSprite(level_.shaders[surface.shader])) continue;
-            byState[{surface.shader, surface.lightmap, surface.fog}].push_back(t);
-        }
-        osg::ref_ptr geode = new osg::Geode;
-        geode->setName(name);
-        for (const auto& [key, triangles] : byState) {
-            const StateSets::Entry& entry = states_.get(key);
-            if (entry.state) geode->addDrawable(makeGeometry(entry, triangles));
-        }
-        return geode->getNumDrawables() > 0 ? geode : nullptr;
-    }
-
-    osg::ref_ptr<osg::Geometry> makeGeometry(const StateSets::Entry& entry,
-                                             const std::vector<std::uint32_t>& triangles) {
-        osg::ref_ptr geometry = new osg::Geometry;
-        geometry->setName(entry.state->getName());
-        std::vector<std::uint32_t> vertices; // of the mesh, in the drawable's order
-        osg::ref_ptr indices = new osg::DrawElementsUInt(GL_TRIANGLES);
-        indices->reserve(3 * triangles.size());
-        for (const std::uint32_t t : triangles)
-            for (const std::uint32_t v : mesh_.triangles[t].vertices) {
-                if (placeOfVertex_[v] == unused) {
-                    placeOfVertex_[v] = static_cast<std::uint32_t>(vertices.size());
-                    vertices.push_back(v);
-                }
-                indices->push_back(placeOfVertex_[v]);
-            }
-        for (const std::uint32_t v : vertices) placeOfVertex_[v] = unused;
-
-        osg::ref_ptr positions = new osg::Vec3Array(osg::Array::BIND_PER_VERTEX);
-        osg::ref_ptr normals = new osg::Vec3Array(osg::Array::BIND_PER_VERTEX);
-        osg::ref_ptr texture = new osg::Vec2Array(osg::Array::BIND_PER_VERTEX);
-        osg::ref_ptr lightmap = new osg::Vec2Array(osg::Array::BIND_PER_VERTEX);
-        osg::ref_ptr colours = new osg::Vec4Array(osg::Array::BIND_PER_VERTEX);
-        for (const std::uint32_t v : vertices) {
-            const pie::level::Vertex& vertex = mesh_.vertices[v];
-            positions->push_back(toOsg(vertex.position));
-            normals->push_back(toOsg(vertex.normal));
-            texture->push_back(toOsg(vertex.texture));
-            lightmap->push_back(toOsg(vertex.lightmap));
-            colours->push_back(vertexColour(vertex, entry.light));
-        }
-        geometry->setVertexArray(positions);
-        geometry->setNormalArray(normals);
-        geometry->setTexCoordArray(0, texture);
-        if (entry.lightmapCoordinates) geometry->setTexCoordArray(1, lightmap);
-        geometry->setColorArray(colours);
-        geometry->addPrimitiveSet(indices);
-        geometry->setStateSet(entry.state);
-        geometry->setUseDisplayList(false);
-        geometry->setUseVertexBufferObjects(true);
-        if (entry.lit && entry.light == LightSource::Irradiance) light(*geometry, vertices, colours);
-        return geometry;
-    }
-
-    /// Vertex colours before any light: the level's own, or none.
-    [[nodiscard]] osg::Vec4 vertexColour(const pie::level::Vertex& vertex, LightSource source) const {
-        const float alpha = static_cast<float>(vertex.colour.a) / 255.0F;
-        const float overbright = largestLight(engine_->settings());
-        if (source == LightSource::Irradiance || source == LightSource::None) return {1.0F, 1.0F, 1.0F, alpha};
-        const pie::Rgb light = gameLight(pie::Rgb(vertex.colour.r, vertex.colour.g, vertex.colour.b), overbright);
-        return {light.x, light.y, light.z, alpha};
-    }
-
-    void light(osg::Geometry& geometry, const std::vector<std::uint32_t>& vertices,
-               const osg::ref_ptr<osg::Vec4Array>& colours) {
-        const pie::scene::Receivers& receivers = engine_->receivers();
-        std::vector<std::uint32_t> used;
-        std::vector<std::uint32_t> ofVertex;
-        for (const std::uint32_t v : vertices) {
-            const std::uint32_t receiver = receivers.ofVertex[v];
-            if (receiver == pie::scene::noReceiver) continue;
-            if (placeOfReceiver_[receiver] == unused) {
-                placeOfReceiver_[receiver] = static_cast<std::uint32_t>(used.size());
-                used.push_back(receiver);
-            }
-        }
-        // A lit state on a surface without receivers (or with some missing) keeps its white vertices.
-        bool complete = true;
-        for (const std::uint32_t v : vertices) {
-            const std::uint32_t receiver = receivers.ofVertex[v];
-            complete = complete && receiver != pie::scene::noReceiver;
-            ofVertex.push_back(receiver == pie::scene::noReceiver ? 0 : placeOfReceiver_[receiver]);
-        }
-        for (const std::uint32_t receiver : used) placeOfReceiver_[receiver] = unused;
-        if (used.empty() || !complete) return;
-        // 64 U show the texture as it is (LEVELS in doc/manual.md).
-        const auto& settings = engine_->settings();
-        const float scale = settings.exposure / (64.0F * largestLight(settings));
-        // A buffer of its own: only the colours are sent again when the light changes.
-        osg::ref_ptr buffer = new osg::VertexBufferObject;
-        buffer->setUsage(GL_DYNAMIC_DRAW);
-        colours->setVertexBufferObject(buffer);
-        geometry.setDataVariance(osg::Object::DYNAMIC);
-        geometry.setDrawCallback(new IrradianceCallback(engine_, std::move(used), std::move(ofVertex), colours, scale));
-    }
-};
+bool showsOurLight(const pie::engine::Settings& settings) {
+    return settings.view == pie::engine::View::Lit || settings.view == pie::engine::View::Light;
+}
 
 } // namespace
 
+LevelNode::LevelNode(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
+
+LevelNode::~LevelNode() = default;
+
+pie::engine::Engine& LevelNode::engine() {
+    if (refined_) refined_->wait();
+    return *engine_;
+}
+
+void LevelNode::complete() {
+    if (!refined_) return;
+    refined_->show();
+    refined_.reset();
+}
+
+void LevelNode::completeLater(std::unique_ptr<RefinedWorld> world) { refined_ = std::move(world); }
+
 osg::ref_ptr<LevelNode> makeLevelNode(std::shared_ptr<pie::engine::Engine> engine) {
-    return Builder(std::move(engine)).build();
+    osg::ref_ptr root = new LevelNode(engine);
+    const pie::level::Level& level = engine->level();
+    const auto& settings = engine->settings();
+    auto states = std::make_unique<StateSets>(engine->sharedLevel(), settings);
+    root->setName(level.name);
+    osg::ref_ptr place = new osg::Group;
+    World world = makeWorld(engine, *states);
+    world.attachStates();
+    if (engine->refined()) {
+        if (world.root) root->addChild(world.root);
+    } else {
+        place->setName("level");
+        // A described group is one that OSG's optimiser keeps.
+        place->addDescription("refined by the first update");
+        if (world.root) place->addChild(world.root);
+        root->addChild(place);
+    }
+    if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level, *states, largestLight(settings)))
+        root->addChild(sprites);
+    if (const osg::ref_ptr<osg::Node> sky = states->makeSky()) root->addChild(sky);
+    if (showsOurLight(settings)) root->addUpdateCallback(new AdvanceCallback(engine));
+    if (!engine->refined())
+        root->completeLater(std::make_unique<RefinedWorld>(std::move(engine), std::move(states), std::move(place)));
+    return root;
 }
 
 } // namespace osgpie

@@ -112,7 +112,7 @@ LevelReader::ReadResult LevelReader::failure(const pie::Error& error) const {
 
 LevelReader::ReadResult LevelReader::finish(pie::Result<osg::ref_ptr<LevelNode>> node) const {
     if (!node) return failure(node.error());
-    report((*node)->engine().level(), prefix_);
+    report((*node)->level(), prefix_);
     return {(*node).get()};
 }
 

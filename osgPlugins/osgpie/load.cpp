@@ -23,7 +23,8 @@ pie::Result<pie::level::Location> find(const std::string& level, const pie::engi
 osg::ref_ptr<LevelNode> makeNode(pie::level::Level&& level, const pie::engine::Settings& settings) {
     pie::setThreads(static_cast<unsigned>(settings.threads));
     const auto shared = std::make_shared<const pie::level::Level>(std::move(level));
-    osg::ref_ptr<LevelNode> node = makeLevelNode(std::make_shared<pie::engine::Engine>(shared, settings));
+    osg::ref_ptr<LevelNode> node =
+        makeLevelNode(std::make_shared<pie::engine::Engine>(shared, settings, pie::engine::Refinement::Later));
     addInitialView(*node);
     if (settings.settle) settle(*node);
     return node;

@@ -24,6 +24,7 @@ public:
 } // namespace
 
 void settle(LevelNode& node) {
+    node.complete();
     while (node.engine().advance()) {}
     Settle visitor;
     node.accept(visitor);

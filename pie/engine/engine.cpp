@@ -28,6 +28,7 @@ struct Engine::State {
     Settings settings;
     scene::Mesh mesh;
     scene::Receivers receivers;
+    bool refined = false;
     std::once_flag prepared;
     lights::ImportedLights imported;    ///< written once, under `prepared`
     std::optional<Transport> transport; ///< the same
@@ -35,18 +36,30 @@ struct Engine::State {
     double prepareMs = 0; ///< the same
 };
 
-Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settings)
+Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settings, Refinement refinement)
     : state_(std::make_unique<State>()) {
     State& s = *state_;
     s.level = std::move(level);
     s.settings = settings;
     s.mesh = scene::makeMesh(*s.level);
-    if (showsOurLight(settings)) {
-        scene::refine(s.mesh, refineOptions(settings));
-        scene::closeTJunctions(s.mesh, settings.tJunctionTolerance);
-        s.receivers = scene::makeReceivers(s.mesh, *s.level);
-    }
+    s.refined = !showsOurLight(settings);
+    if (refinement == Refinement::AtOnce) refine();
 }
+
+void Engine::refine(const std::stop_token& stop) {
+    State& s = *state_;
+    if (s.refined) return;
+    scene::RefineOptions options = refineOptions(s.settings);
+    options.stop = stop;
+    scene::refine(s.mesh, options);
+    if (stop.stop_requested()) return;
+    scene::closeTJunctions(s.mesh, s.settings.tJunctionTolerance);
+    if (stop.stop_requested()) return;
+    s.receivers = scene::makeReceivers(s.mesh, *s.level);
+    s.refined = true;
+}
+
+bool Engine::refined() const { return state_->refined; }
 
 Engine::~Engine() = default;
 

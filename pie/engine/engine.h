@@ -17,16 +17,20 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 namespace pie::engine {
 
+/// When the drawn mesh is refined: by the constructor of the engine, or by refine().
+enum class Refinement : std::uint8_t { AtOnce, Later };
+
 class Engine {
 public:
-    /// Refines the drawn mesh at once (the renderer needs it); scene, lights and intersector are built by the first
-    /// advance() or prepare().
-    Engine(std::shared_ptr<const level::Level> level, const Settings& settings);
+    /// Scene, lights and intersector are built by the first advance() or prepare().
+    Engine(std::shared_ptr<const level::Level> level, const Settings& settings,
+           Refinement refinement = Refinement::AtOnce);
     ~Engine();
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
@@ -38,6 +42,12 @@ public:
     [[nodiscard]] const scene::Mesh& mesh() const;
     /// Empty when the view does not show our light.
     [[nodiscard]] const scene::Receivers& receivers() const;
+
+    /// With Refinement::Later, to be called once and alone, before everything below: refines the mesh and finds its
+    /// receivers. Until then mesh() is as it is in the level. After `stop` it returns soon, and the engine is good for
+    /// nothing more.
+    void refine(const std::stop_token& stop = {});
+    [[nodiscard]] bool refined() const;
 
     /// Builds what tracing needs, once; later calls return at once. Safe from any thread.
     void prepare();

@@ -146,7 +146,7 @@ private:
 void splitLongest(Topology& topology, const RefineOptions& options, float limit, std::size_t& splits) {
     EdgeQueue queue(topology, limit);
     std::vector<std::uint32_t> touched;
-    while (splits < options.maxSplits) {
+    while (splits < options.maxSplits && !options.stop.stop_requested()) {
         const std::uint32_t e = queue.take();
         if (e == Topology::none) return;
         if (topology.triangleCount() + topology.edge(e).count > options.maxTriangles) return;
@@ -212,7 +212,7 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
         statistics.tJunctions = close(topology, tolerance, options.maxTriangles);
         splitLongest(topology, options, limit, statistics.splits);
         // Where surfaces cross, a new edge can pass an old vertex.
-        statistics.tJunctions += close(topology, tolerance, options.maxTriangles);
+        if (!options.stop.stop_requested()) statistics.tJunctions += close(topology, tolerance, options.maxTriangles);
     }
     statistics.longestEdge = longestEdge(topology);
     topology.finish();

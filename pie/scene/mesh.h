@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <stop_token>
 #include <vector>
 
 namespace pie::scene {
@@ -34,6 +35,7 @@ struct RefineOptions {
     float maxEdge = std::numeric_limits<float>::infinity(); ///< go on until no edge is longer than this, in units;
                                                             ///< edges of a closed T-junction may be 0.01 longer
     std::size_t maxTriangles = 4'000'000;                   ///< hard bound on memory
+    std::stop_token stop; ///< asked for now and then; the mesh is then refined as far as it came
 };
 struct RefineStatistics {
     std::size_t splits = 0, tJunctions = 0;

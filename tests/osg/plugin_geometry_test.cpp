@@ -8,6 +8,7 @@
 
 #include <osg/ComputeBoundsVisitor>
 #include <osg/Geode>
+#include <osgUtil/Optimizer>
 
 #include <cmath>
 
@@ -24,6 +25,7 @@ constexpr double tolerance = 1e-4;
 std::vector<DrawnTriangle> read(const LevelBuilder& builder, const std::string& options = asStored) {
     const Game game;
     const osg::ref_ptr<osg::Node> node = readNode(game.addLevel("made", builder.build()), options);
+    if (node) firstUpdate(*node);
     return node ? trianglesOf(*node) : std::vector<DrawnTriangle>{};
 }
 
@@ -198,6 +200,49 @@ TEST(PluginGeometry, RefinementKeepsAreaAndPlaces) {
         }
 }
 
+TEST(PluginGeometry, ALevelIsWholeBeforeTheUpdateThatRefinesIt) {
+    LevelBuilder builder;
+    const int wall = builder.shader("t/wall");
+    builder.room({-256, -256, -128}, {256, 256, 128}, {wall, wall, wall, wall, wall, wall});
+    const Game game;
+    game.addPicture("t/wall", {200, 100, 50, 255});
+    const osg::ref_ptr<osg::Node> node = readNode(game.addLevel("made", builder.build()), "max_edge=32");
+    ASSERT_TRUE(node);
+    const auto before = trianglesOf(*node);
+    EXPECT_EQ(before.size(), 12U);
+    const auto boxOf = [&node] {
+        osg::ComputeBoundsVisitor bounds;
+        node->accept(bounds);
+        return bounds.getBoundingBox();
+    };
+    const osg::BoundingBox box = boxOf();
+    const osg::Texture2D* texture = textureOf(*stateSet(*node, "t/wall"));
+    ASSERT_TRUE(texture && texture->getImage() && texture->getImage()->data());
+    EXPECT_EQ(texture->getImage()->data()[0], 200);
+    // OSG's optimiser comes between, in osgviewer and osgconv.
+    osgUtil::Optimizer optimizer;
+    optimizer.optimize(node);
+    firstUpdate(*node);
+    const auto after = trianglesOf(*node);
+    EXPECT_GT(after.size(), 40 * before.size());
+    EXPECT_NEAR(areaOf(after), areaOf(before), 1e-3 * areaOf(before));
+    EXPECT_EQ(boxOf()._min, box._min);
+    EXPECT_EQ(boxOf()._max, box._max);
+    for (const DrawnTriangle& triangle : after) EXPECT_EQ(triangle.material, "t/wall");
+    firstUpdate(*node);
+    EXPECT_EQ(trianglesOf(*node).size(), after.size()) << "once";
+}
+
+TEST(PluginGeometry, ALevelThatIsDroppedGivesUpItsRefinement) {
+    LevelBuilder builder;
+    const int wall = builder.shader("t/wall");
+    builder.room({-8192, -8192, -4096}, {8192, 8192, 4096}, {wall, wall, wall, wall, wall, wall});
+    const Game game;
+    const std::string file = game.addLevel("made", builder.build());
+    // Millions of triangles each, if they were made to the end.
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(readNode(file, "max_edge=8"));
+}
+
 TEST(PluginGeometry, VertexColoursAreTheGamesLight) {
     LevelBuilder builder;
     builder.polygon(builder.shader("t/wall"), {{0, 0, 0}, {64, 0, 0}, {64, 64, 0}, {0, 64, 0}});
@@ -248,6 +293,7 @@ TEST(PluginGeometry, LargeLevelsAreGroupedForCulling) {
     const Game game;
     const osg::ref_ptr<osg::Node> node = readNode(game.addLevel("made", builder.build()), "max_edge=64");
     ASSERT_TRUE(node);
+    firstUpdate(*node);
     struct Geodes : osg::NodeVisitor {
         Geodes() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
         void apply(osg::Geode& geode) override {

@@ -105,7 +105,11 @@ TEST(PluginRead, UnknownOptionsAreErrorsThatSuggest) {
 TEST(PluginRead, OptionsReachTheLevel) {
     const Game game;
     const std::string level = game.addLevel("room", room());
-    const auto triangles = [&](const std::string& options) { return trianglesOf(*readNode(level, options)).size(); };
+    const auto triangles = [&](const std::string& options) {
+        const osg::ref_ptr<osg::Node> node = readNode(level, options);
+        firstUpdate(*node);
+        return trianglesOf(*node).size();
+    };
     EXPECT_EQ(triangles("view=baked"), 12U);
     EXPECT_EQ(triangles("mesh_refinement=0"), 12U);
     EXPECT_GT(triangles("max_edge=16"), 1000U);

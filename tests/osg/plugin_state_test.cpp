@@ -199,6 +199,7 @@ TEST(PluginState, LitSurfacesFollowTheDrawStagesRules) {
     const Game game;
     const auto node = readShaders(game, {"t/wall"}, "view=lit");
     ASSERT_TRUE(node);
+    firstUpdate(*node);
     struct Rules : osg::NodeVisitor {
         Rules() : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN) {}
         void apply(osg::Geometry& geometry) override {

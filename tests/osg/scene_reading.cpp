@@ -6,6 +6,7 @@
 #include <osg/NodeVisitor>
 #include <osg/TriangleIndexFunctor>
 #include <osgDB/Registry>
+#include <osgUtil/UpdateVisitor>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,12 @@ osg::ref_ptr<osg::Node> readNode(const std::string& file, const std::string& opt
     auto result = readLevel(file, options);
     EXPECT_TRUE(result.validNode()) << file << ": " << result.message();
     return result.getNode();
+}
+
+void firstUpdate(osg::Node& node) {
+    osgUtil::UpdateVisitor visitor;
+    visitor.setFrameStamp(new osg::FrameStamp);
+    node.accept(visitor);
 }
 
 std::vector<DrawnTriangle> trianglesOf(osg::Node& node) {

@@ -25,6 +25,9 @@ void usePlugin();
 /// The same, with a node or a failed test and null.
 [[nodiscard]] osg::ref_ptr<osg::Node> readNode(const std::string& file, const std::string& options = {});
 
+/// The first update of a viewer: what is to be lit is refined from then on.
+void firstUpdate(osg::Node& node);
+
 struct DrawnTriangle {
     std::array<osg::Vec3d, 3> place; ///< in world space
     std::array<osg::Vec3, 3> normal;
