@@ -18,6 +18,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -137,6 +138,10 @@ pie::engine::Settings settingsOf(const Arguments& a) {
     // Frames that the map forgets again would be traced in vain.
     if (a.frames && settings.origin("accumulation_frames") == pie::engine::Source::Default)
         valueOr(settings.set("accumulation_frames", std::to_string(*a.frames), source), misused);
+    if (a.frames && settings.origin("still_frames") == pie::engine::Source::Default)
+        valueOr(settings.set("still_frames", std::to_string(*a.frames), source), misused);
+    // Below a command line, whoever sets it there.
+    valueOr(settings.set("standard_errors", "true", pie::engine::Source::Level), misused);
     return settings;
 }
 
@@ -177,11 +182,12 @@ std::vector<Answer> byEngine(const Arguments& a, const pie::engine::Settings& se
                              const pie::scene::Receivers& receivers, Watch& watch, std::string& statistics) {
     pie::engine::Transport transport(lit.scene, lit.lights, lit.tree, receivers, settings);
     watch.stage("prepare");
-    const int frames = a.frames.value_or(settings.accumulationFrames);
-    for (int frame = 0; frame < frames; ++frame) transport.advance();
-    watch.stage("trace");
     std::vector<std::uint32_t> which(receivers.points.size());
     std::iota(which.begin(), which.end(), 0U);
+    transport.finish(which);
+    watch.stage("gather");
+    for (int frame = 0; frame < a.frames.value_or(std::numeric_limits<int>::max()) && transport.advance(); ++frame) {}
+    watch.stage("trace");
     std::vector<pie::Rgb> irradiance(which.size());
     transport.irradiance(which, irradiance);
     watch.stage("irradiance");

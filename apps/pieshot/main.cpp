@@ -82,11 +82,13 @@ std::string optionString(const Arguments& arguments) {
 }
 
 /// Frames until a still scene has all its photons.
-int framesNeeded(const std::string& options) {
-    pie::engine::Settings settings;
-    if (const auto set = settings.setOptions(options); !set) fail(set.error().message());
-    const bool lit = settings.view == pie::engine::View::Lit || settings.view == pie::engine::View::Light;
-    return lit ? settings.accumulationFrames + 1 : 2;
+/// Frames without drawing until the light of what the last drawn frame showed stands still.
+void settle(osgViewer::Viewer& viewer, const osg::Node& level) {
+    bool settled = false;
+    while (level.getUserValue("pie.settled", settled) && !settled) {
+        viewer.advance();
+        viewer.updateTraversal();
+    }
 }
 
 /// The level's own starting view, which the plug-in adds as a CameraView.
@@ -184,7 +186,8 @@ osg::ref_ptr<osg::Node> readLevel(const Arguments& arguments, const std::string&
 
 void render(const Arguments& arguments) {
     const std::string options = optionString(arguments);
-    const int frames = arguments.frames.value_or(framesNeeded(options));
+    // By default a first frame says what is in view; the second, once its light is settled, is the picture.
+    const int frames = arguments.frames.value_or(2);
     std::optional<pieshot::VirtualDisplay> display;
     const char* shown = std::getenv("DISPLAY");
     if (!shown || !*shown) {
@@ -216,6 +219,7 @@ void render(const Arguments& arguments) {
     viewer.realize();
     for (int i = 0; i < frames; ++i) {
         if (i + 1 == frames) {
+            if (!arguments.frames) settle(viewer, *scene);
             viewer.stopThreading(); // the frame that is captured is whole when frame() returns
             viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
             camera.setFinalDrawCallback(new Capture(image));
@@ -244,7 +248,7 @@ int run(int argc, char** argv) {
         ->expected(1, 2)
         ->required();
     app.add_option("--frames", arguments.frames,
-                   "frames before the picture is taken (default: until all photons are there)")
+                   "frames before the picture is taken (default: until its light is settled)")
         ->check(CLI::Range(1, 1'000'000));
     app.add_option("--width", arguments.width, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
     app.add_option("--height", arguments.height, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();

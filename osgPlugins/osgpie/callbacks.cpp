@@ -30,7 +30,9 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
             if (auto* level = dynamic_cast<LevelNode*>(node)) level->complete();
             announce();
         }
-        engine_->advance();
+        const bool settled = !engine_->advance();
+        if (!started_ || settled != settled_) node->setUserValue("pie.settled", settled);
+        settled_ = settled;
         if (engine_->settings().stats) node->setUserValue("pie.statistics", engine_->statistics().json());
         started_ = true;
         lastFrame_ = frame;

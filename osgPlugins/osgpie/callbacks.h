@@ -13,7 +13,9 @@
 
 namespace osgpie {
 
-/// Update callback of the level's root: one step of the engine per frame, however many views traverse it.
+/// Update callback of the level's root: one step of the engine per frame, however many views traverse it. The node's
+/// user value "pie.settled" (bool) says whether the light stands still: all photons are there, and what is in view is
+/// refined.
 class AdvanceCallback : public osg::NodeCallback {
 public:
     explicit AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
@@ -23,7 +25,7 @@ private:
     std::shared_ptr<pie::engine::Engine> engine_;
     void announce();
     unsigned lastFrame_ = 0;
-    bool started_ = false;
+    bool started_ = false, settled_ = false;
 };
 
 /// Draw callback of a lit drawable: asks for the irradiance of its receivers when the light has changed, writes it into
@@ -39,6 +41,7 @@ public:
     void drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const override;
     /// Brings the colours up to date; whether they changed. Called by the draw; for writers of files also without one.
     bool refresh() const;
+    [[nodiscard]] const std::vector<std::uint32_t>& receivers() const { return receivers_; }
 
 private:
     void upload(osg::RenderInfo& renderInfo) const;

@@ -8,6 +8,19 @@
 namespace osgpie {
 namespace {
 
+/// Refines the light of every lit drawable to the end.
+class Finish : public osg::NodeVisitor {
+public:
+    explicit Finish(pie::engine::Engine& engine) : osg::NodeVisitor(TRAVERSE_ALL_CHILDREN), engine_(engine) {}
+    void apply(osg::Geometry& geometry) override {
+        if (const auto* callback = dynamic_cast<const IrradianceCallback*>(geometry.getDrawCallback()))
+            engine_.finish(callback->receivers());
+    }
+
+private:
+    pie::engine::Engine& engine_;
+};
+
 /// Fetches the light of every lit drawable once and for all.
 class Settle : public osg::NodeVisitor {
 public:
@@ -26,6 +39,8 @@ public:
 void settle(LevelNode& node) {
     node.complete();
     while (node.engine().advance()) {}
+    Finish finish(node.engine());
+    node.accept(finish);
     Settle visitor;
     node.accept(visitor);
     node.setUpdateCallback(nullptr);

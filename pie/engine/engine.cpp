@@ -99,6 +99,10 @@ void Engine::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out
         std::fill(out.begin(), out.end(), Rgb(0.0F));
 }
 
+void Engine::finish(std::span<const std::uint32_t> which) {
+    if (state_->ready) state_->transport->finish(which);
+}
+
 std::uint64_t Engine::lightRevision() const { return state_->ready ? state_->transport->lightRevision() : 0; }
 
 Statistics Engine::statistics() const {

@@ -59,6 +59,8 @@ public:
     /// Light at receivers.points[which[i]] in watts per square unit (lightmap units U). Zero before the first
     /// advance().
     void irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
+    /// Refines these receivers to the end now, however long it takes. After the first advance() or prepare().
+    void finish(std::span<const std::uint32_t> which);
     /// Number of the light that irradiance() answers with; grows whenever advance() changed it.
     [[nodiscard]] std::uint64_t lightRevision() const;
 

@@ -28,8 +28,9 @@ namespace pie::engine {
 /// What is shown. Lit: light by photons. Baked: the level's own lightmaps and vertex colours. Light: as Lit, without
 /// textures.
 enum class View : std::uint8_t { Lit, Baked, Fullbright, Light };
-/// TrueArea is short for Nearest with area = true_area.
-enum class EstimatorKind : std::uint8_t { TrueArea, Nearest };
+/// Gather: a cached final gather over surface texels. Nearest: the photons near by. TrueArea is short for Nearest with
+/// area = true_area.
+enum class EstimatorKind : std::uint8_t { Gather, TrueArea, Nearest };
 enum class DirectLight : std::uint8_t { ShadowRays, Photons };
 enum class PhotonMapKind : std::uint8_t { KdTree, Exact };
 /// Quake3: colours are used as stored; Srgb: linearised, and encoded again for display.
@@ -68,7 +69,12 @@ struct Settings {
     intersect::Kind intersector = intersect::Kind::Embree;
 
     // Irradiance
-    EstimatorKind estimator = EstimatorKind::TrueArea;
+    EstimatorKind estimator = EstimatorKind::Gather;
+    float texelSize = 0;      ///< units; 0: from the scene
+    int gatherRays = 256;     ///< per receiver
+    int refineRays = 200'000; ///< per frame
+    int stillFrames = 100;    ///< photons of so many frames, at most
+    bool standardErrors = false;
     gather::Kernel kernel = gather::Kernel::Epanechnikov;
     gather::AreaEstimate area = gather::AreaEstimate::Disc; ///< of EstimatorKind::Nearest
     PhotonMapKind photonMap = PhotonMapKind::KdTree;

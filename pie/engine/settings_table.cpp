@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 2> scatteringNames{"roulette", "split"};
 constexpr std::array<std::string_view, 7> distributionNames{"halton",    "sobol",      "r2",    "explicit",
                                                             "rejection", "stratified", "spiral"};
 constexpr std::array<std::string_view, 3> intersectorNames{"brute_force", "bsp", "embree"};
-constexpr std::array<std::string_view, 2> estimatorNames{"true_area", "nearest"};
+constexpr std::array<std::string_view, 3> estimatorNames{"gather", "true_area", "nearest"};
 constexpr std::array<std::string_view, 4> kernelNames{"constant", "cone", "gaussian", "epanechnikov"};
 constexpr std::array<std::string_view, 6> areaNames{"pi_r2",   "box",         "oriented_box",
                                                     "ellipse", "convex_hull", "true_area"};
@@ -127,9 +127,34 @@ constexpr std::array table{
         "pi-engine parameter 1, BSP_tree"},
 
     Row{"estimator", "Irradiance", choice<&Settings::estimator>(estimatorNames), 0, 0, "",
-        "nearest: flux of the photons near by over `area`; the paper's with area = pi_r2. true_area: the same with "
-        "area = true_area.",
-        "pi-engine eq 3.3"},
+        "gather: photons are summed into surface texels, and every receiver gathers from the texels it sees by rays "
+        "that "
+        "are shot once and kept; the most accurate and, once the rays are there, the fastest. nearest: flux of the "
+        "photons near by over `area`; the paper's with area = pi_r2. true_area: the same with area = true_area.",
+        "pi-engine 3.2.2 and eq 3.3"},
+    Row{"texel_size", "Irradiance", &Settings::texelSize, 0, 1e7, "units",
+        "estimator = gather: edge of the surface texels that photons are summed into. 0: from the scene, at most 64. "
+        "Smaller: sharper indirect light, more noise near walls, more memory.",
+        ""},
+    Row{"gather_rays", "Irradiance", &Settings::gatherRays, 2, 65'536, "rays per receiver",
+        "estimator = gather: rays of a finished receiver, rounded up to a power of two. Set-up time and memory grow in "
+        "proportion; what noise stays in a still picture falls about with their power 3/4.",
+        "pi-engine parameter 8, final_gathering_samples"},
+    Row{"refine_rays", "Irradiance", &Settings::refineRays, 0, 1'000'000'000, "rays per frame",
+        "estimator = gather: rays spent in a frame on receivers in view that are not finished. More: the picture is "
+        "sharp "
+        "after fewer frames, each of which takes longer.",
+        ""},
+    Row{"still_frames", "Irradiance", &Settings::stillFrames, 1, 1'000'000, "frames",
+        "estimator = gather: frames in which a still scene goes on tracing photons; all of them stay in the sums, at "
+        "no "
+        "cost in memory. More: less noise, later idle.",
+        ""},
+    Row{"standard_errors", "Irradiance", &Settings::standardErrors, 0, 0, "",
+        "estimator = gather: keep photons in 16 batches, so that the noise of an answer is known (pieprobe). 512 bytes "
+        "a "
+        "texel more.",
+        ""},
     Row{"kernel", "Irradiance", choice<&Settings::kernel>(kernelNames), 0, 0, "",
         "How much a photon counts by its distance. constant: all the same, as in the paper. epanechnikov: least error "
         "at the same radius. cone and gaussian: sharper still or softer, and noisier. Same speed.",

@@ -1,5 +1,6 @@
 #include "pie/engine/transport.h"
 
+#include "pie/gather/cached_gather.h"
 #include "pie/gather/direct.h"
 #include "pie/gather/final_gather.h"
 #include "pie/gather/nearest_photons.h"
@@ -14,6 +15,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
 namespace pie::engine {
@@ -67,6 +69,15 @@ gather::FinalGatherOptions finalGatherOptions(const Settings& settings) {
     return options;
 }
 
+gather::GatherOptions gatherOptions(const Settings& settings) {
+    gather::GatherOptions options;
+    options.texels.edge = settings.texelSize;
+    options.rays = static_cast<unsigned>(settings.gatherRays);
+    options.standardErrors = settings.standardErrors;
+    options.seed = settings.seed;
+    return options;
+}
+
 /// The paper's estimate cache by index: what a receiver's light was, and of which revision it is.
 struct Cache {
     std::vector<Rgb> irradiance;
@@ -86,8 +97,14 @@ struct Transport::State {
     photons::PhotonTracer tracer;
     maps::RealtimeMap map;
     std::unique_ptr<gather::DirectLight> direct;  ///< null: direct light comes from photons
-    std::unique_ptr<gather::Estimator> estimator; ///< light from the map
+    std::unique_ptr<gather::Estimator> estimator; ///< light from the map, or all light where it gathers
+    gather::CachedGather* gathering = nullptr;    ///< the estimator, when it is one: then there is no map
     Cache cache;
+    std::vector<std::uint64_t> asked; ///< by receiver: round of its last question; for gathering alone
+    std::vector<std::uint32_t> wanted;
+    /// Questions between two frames are a round. Frames without any go on with the last.
+    std::uint64_t round = 1;
+    bool askedInRound = false;
     std::size_t framesTraced = 0;
     std::atomic<std::uint64_t> lightRevision{0};
     std::mutex mutex; ///< map, cache and statistics: advance() swaps a frame in while no estimate runs
@@ -96,6 +113,9 @@ struct Transport::State {
     State(std::shared_ptr<const scene::Scene> theScene, std::vector<lights::Light> theLights, const level::Tree& tree,
           const scene::Receivers& receivers, const Settings& theSettings);
     void estimate(std::span<const std::uint32_t> which, std::uint64_t revision);
+    [[nodiscard]] std::size_t framesToTrace() const;
+    void take(std::vector<photons::Photon>&& photons);
+    bool refine();
 };
 
 Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vector<lights::Light> theLights,
@@ -114,11 +134,18 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
         directOptions.seed = settings.seed;
         direct = std::make_unique<gather::DirectLight>(*scene, lights, *intersector, receivers, directOptions);
     }
-    if (settings.finalGathering)
+    if (settings.finalGathering) {
         estimator = std::make_unique<gather::FinalGather>(*scene, *intersector, receivers, map, options,
                                                           finalGatherOptions(settings), direct ? &lights : nullptr);
-    else
+    } else if (settings.estimator == EstimatorKind::Gather) {
+        auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
+                                                             gatherOptions(settings));
+        gathering = gather.get();
+        estimator = std::move(gather);
+        asked.assign(receivers.points.size(), 0);
+    } else {
         estimator = std::make_unique<gather::NearestPhotons>(*scene, receivers, map, options);
+    }
     statistics.coarseTriangles = scene->triangles.size();
     statistics.lights = lights.lights().size();
     statistics.sceneBytes = scene->triangles.size() * (sizeof(scene::Triangle) + sizeof(Vec3)) +
@@ -138,61 +165,105 @@ Transport::~Transport() = default;
 const scene::Scene& Transport::scene() const { return *state_->scene; }
 std::uint64_t Transport::lightRevision() const { return state_->lightRevision; }
 
+std::size_t Transport::State::framesToTrace() const {
+    return static_cast<std::size_t>(gathering ? settings.stillFrames : settings.accumulationFrames);
+}
+
+void Transport::State::take(std::vector<photons::Photon>&& photons) {
+    const auto start = Clock::now();
+    if (gathering) {
+        gathering->add(photons);
+        statistics.photonsInMap += photons.size();
+    } else {
+        map.replaceOldest(std::move(photons));
+        map.rebuild();
+        statistics.photonsInMap = map.photons().size();
+        statistics.mapBytes = map.bytes();
+    }
+    ++framesTraced;
+    ++statistics.framesTraced;
+    statistics.buildMs += millisecondsSince(start);
+}
+
+/// Spends the rays of a frame on what was asked for since the last one. Returns whether any light changed.
+bool Transport::State::refine() {
+    if (!gathering) return false;
+    const auto start = Clock::now();
+    wanted.clear();
+    for (std::uint32_t r = 0; r < asked.size(); ++r)
+        if (asked[r] == round && !gathering->finished(r)) wanted.push_back(r);
+    statistics.unfinished = wanted.size();
+    if (wanted.empty()) return false;
+    statistics.gatherRays += gathering->refine(wanted, static_cast<std::uint64_t>(settings.refineRays));
+    statistics.gatherBytes = gathering->bytes();
+    statistics.refineMs += millisecondsSince(start);
+    return true;
+}
+
 bool Transport::advance() {
     State& s = *state_;
-    const auto pool = static_cast<std::size_t>(s.settings.accumulationFrames);
-    // The same indices give the same photons: once every frame of the pool is there, a still scene has nothing left to
-    // trace.
-    if (s.framesTraced >= pool) {
-        const std::lock_guard lock(s.mutex);
-        ++s.statistics.frames;
-        return false;
-    }
+    // The same indices give the same photons: once every frame is there, a still scene has nothing left to trace.
+    const bool tracing = s.framesTraced < s.framesToTrace();
     const auto start = Clock::now();
-    const auto perFrame = static_cast<std::uint64_t>(s.settings.photonsFromLight);
     std::vector<photons::Photon> photons;
-    const photons::TraceCounts counts = s.tracer.trace(s.framesTraced * perFrame, perFrame, photons);
-    maps::snowball(photons, *s.scene, static_cast<unsigned>(s.settings.snowballSize), s.settings.snowballRadius);
+    photons::TraceCounts counts;
+    if (tracing) {
+        const auto perFrame = static_cast<std::uint64_t>(s.settings.photonsFromLight);
+        counts = s.tracer.trace(s.framesTraced * perFrame, perFrame, photons);
+        maps::snowball(photons, *s.scene, static_cast<unsigned>(s.settings.snowballSize), s.settings.snowballRadius);
+    }
     const double traceMs = millisecondsSince(start);
 
     const std::lock_guard lock(s.mutex);
-    const auto build = Clock::now();
-    s.map.replaceOldest(std::move(photons));
-    s.map.rebuild();
-    ++s.framesTraced;
-    ++s.lightRevision;
     Statistics& statistics = s.statistics;
     ++statistics.frames;
-    ++statistics.framesTraced;
-    statistics.photonsEmitted += counts.emitted;
-    statistics.raysTraced += counts.rays;
-    statistics.photonsStored += counts.stored;
-    statistics.photonsEscaped += counts.escaped;
-    statistics.photonsInMap = s.map.photons().size();
-    statistics.mapBytes = s.map.bytes();
-    statistics.traceMs += traceMs;
-    statistics.buildMs += millisecondsSince(build);
-    return true;
+    if (tracing) {
+        statistics.photonsEmitted += counts.emitted;
+        statistics.raysTraced += counts.rays;
+        statistics.photonsStored += counts.stored;
+        statistics.photonsEscaped += counts.escaped;
+        statistics.traceMs += traceMs;
+        s.take(std::move(photons));
+    }
+    const bool refined = s.refine();
+    if (refined || tracing) s.askedInRound = false;
+    if (tracing || refined) ++s.lightRevision;
+    return tracing || refined;
 }
 
 void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint64_t revision) {
     auto start = Clock::now();
-    std::vector<Rgb> directLight(which.size(), Rgb(0.0F));
-    if (direct) {
+    std::vector<Rgb> light(which.size(), Rgb(0.0F));
+    if (direct && !gathering) {
+        std::vector<Rgb> directLight(which.size());
         direct->estimate(which, directLight);
+        statistics.directMs += millisecondsSince(start);
+        start = Clock::now();
+        estimator->estimate(which, light);
+        for (std::size_t i = 0; i < which.size(); ++i) light[i] += directLight[i];
+    } else {
+        estimator->estimate(which, light);
+    }
+    if (direct) {
         statistics.directEstimates = direct->receiversComputed();
         statistics.directRays = direct->raysTraced();
-        statistics.directMs += millisecondsSince(start);
     }
-    start = Clock::now();
-    std::vector<Rgb> indirect(which.size());
-    estimator->estimate(which, indirect);
     for (std::size_t i = 0; i < which.size(); ++i) {
-        cache.irradiance[which[i]] = directLight[i] + indirect[i];
+        cache.irradiance[which[i]] = light[i];
         cache.revision[which[i]] = revision;
     }
     statistics.estimatesMade += which.size();
     statistics.estimateMs += millisecondsSince(start);
+}
+
+void Transport::finish(std::span<const std::uint32_t> which) {
+    State& s = *state_;
+    if (!s.gathering) return;
+    const std::lock_guard lock(s.mutex);
+    const auto start = Clock::now();
+    s.statistics.gatherRays += s.gathering->refine(which, std::numeric_limits<std::uint64_t>::max());
+    s.statistics.refineMs += millisecondsSince(start);
+    ++s.lightRevision;
 }
 
 void Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out) {
@@ -202,6 +273,11 @@ void Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
     if (revision == 0) {
         std::fill(out.begin(), out.end(), Rgb(0.0F));
         return;
+    }
+    if (s.gathering) {
+        if (!s.askedInRound) ++s.round;
+        s.askedInRound = true;
+        for (const std::uint32_t r : which) s.asked[r] = s.round;
     }
     std::vector<std::uint32_t> wanted;
     for (const std::uint32_t r : which)
@@ -220,7 +296,7 @@ void Transport::explain(std::span<const std::uint32_t> which, std::span<gather::
     std::vector<float> variance(which.size());
     s.direct->estimate(which, direct, variance);
     for (std::size_t i = 0; i < which.size(); ++i) {
-        out[i].irradiance += direct[i];
+        if (!s.gathering) out[i].irradiance += direct[i];
         out[i].standardError = std::hypot(out[i].standardError, std::sqrt(variance[i]));
     }
 }
@@ -238,12 +314,13 @@ void Transport::countUpload(double milliseconds) {
 std::string Statistics::json() const {
     return fmt::format(
         R"({{"frames":{},"frames_traced":{},"photons_emitted":{},"rays_traced":{},"photons_stored":{},"photons_escaped":{},)"
-        R"("photons_in_map":{},"direct_estimates":{},"direct_rays":{},"estimates_made":{},"estimates_reused":{},"receivers":{},)"
+        R"("photons_in_map":{},"direct_estimates":{},"direct_rays":{},"estimates_made":{},"estimates_reused":{},"gather_rays":{},"unfinished":{},"receivers":{},)"
         R"("drawn_triangles":{},"coarse_triangles":{},"lights":{},"prepare_ms":{:.3f},"trace_ms":{:.3f},"build_ms":{:.3f},)"
-        R"("direct_ms":{:.3f},"estimate_ms":{:.3f},"upload_ms":{:.3f},"scene_bytes":{},"intersector_bytes":{},"map_bytes":{},"receiver_bytes":{}}})",
+        R"("direct_ms":{:.3f},"refine_ms":{:.3f},"estimate_ms":{:.3f},"upload_ms":{:.3f},"scene_bytes":{},"intersector_bytes":{},"map_bytes":{},"receiver_bytes":{},"gather_bytes":{}}})",
         frames, framesTraced, photonsEmitted, raysTraced, photonsStored, photonsEscaped, photonsInMap, directEstimates,
-        directRays, estimatesMade, estimatesReused, receivers, drawnTriangles, coarseTriangles, lights, prepareMs,
-        traceMs, buildMs, directMs, estimateMs, uploadMs, sceneBytes, intersectorBytes, mapBytes, receiverBytes);
+        directRays, estimatesMade, estimatesReused, gatherRays, unfinished, receivers, drawnTriangles, coarseTriangles,
+        lights, prepareMs, traceMs, buildMs, directMs, refineMs, estimateMs, uploadMs, sceneBytes, intersectorBytes,
+        mapBytes, receiverBytes, gatherBytes);
 }
 
 } // namespace pie::engine

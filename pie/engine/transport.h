@@ -8,8 +8,9 @@
 // explain() answers the same question at leisure, with a standard error.
 //
 // The tracer is a pure function of scene revision and photon index, so a scene that stands still is traced for
-// `accumulation_frames` frames and then costs nothing: advance() returns at once and irradiance() copies what the cache
-// holds. Same scene, lights, receivers and settings: same bits, on any number of threads.
+// `still_frames` frames (`accumulation_frames` where the photons themselves are kept) and then costs nothing: once what
+// is looked at is refined, advance() returns at once and irradiance() copies what the cache holds. Same scene, lights,
+// receivers and settings: same bits, on any number of threads.
 
 #include "pie/core/vec.h"
 #include "pie/engine/settings.h"
@@ -36,9 +37,11 @@ struct Statistics {
     std::uint64_t directRays = 0;
     std::uint64_t directEstimates = 0; ///< receivers whose direct light was computed
     std::uint64_t estimatesMade = 0, estimatesReused = 0;
+    std::uint64_t gatherRays = 0; ///< of final gathers, with the shadow rays of texels
+    std::uint64_t unfinished = 0; ///< receivers asked for last that will be refined further
     std::size_t receivers = 0, drawnTriangles = 0, coarseTriangles = 0, lights = 0;
-    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, estimateMs = 0, uploadMs = 0;
-    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0;
+    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, refineMs = 0, estimateMs = 0, uploadMs = 0;
+    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0, gatherBytes = 0;
     /// One JSON object, keys as above in snake_case.
     [[nodiscard]] std::string json() const;
 };
@@ -57,8 +60,11 @@ public:
 
     /// Next frame of photons. Returns whether the light changed. One thread at a time.
     bool advance();
-    /// Light at receivers.points[which[i]] in watts per square unit. Zero before the first advance().
+    /// Light at receivers.points[which[i]] in watts per square unit, as good as it is known. Zero before the first
+    /// advance(). What was asked for since the last advance() is what advance() refines (estimator = gather).
     void irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
+    /// Refines these to the end now, however long it takes.
+    void finish(std::span<const std::uint32_t> which);
     /// The same with standard error, bias, photons and radius: slow, for tools. Not while advance() runs.
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);
     /// Number of the light that irradiance() answers with; grows whenever advance() changed it. 0: none yet.

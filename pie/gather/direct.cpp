@@ -19,14 +19,6 @@ constexpr std::size_t grain = 64; // receivers whose rays are traced together
 /// Filter surfaces a sky ray may cross.
 constexpr int mostCrossings = 64;
 
-float offsetFor(const scene::Scene& scene) {
-    if (scene.bounds.empty()) return 1.0F;
-    const float diagonal = glm::length(scene.bounds.size());
-    const Vec3 farthest = glm::max(glm::abs(scene.bounds.lower), glm::abs(scene.bounds.upper));
-    // A unit in a level of usual size; at 10⁷ units the next float is a unit away.
-    return std::max(std::min(1.0F, diagonal / 4096.0F), 1e-6F * maxChannel(farthest));
-}
-
 /// What gets through to the sky: the product over filters in front of the first sky surface; 0 where the first other
 /// surface is not sky, or there is none.
 class SkyTracer {
@@ -117,13 +109,21 @@ private:
 
 } // namespace
 
+float rayOffsetFor(const scene::Scene& scene) {
+    if (scene.bounds.empty()) return 1.0F;
+    const float diagonal = glm::length(scene.bounds.size());
+    const Vec3 farthest = glm::max(glm::abs(scene.bounds.lower), glm::abs(scene.bounds.upper));
+    // A unit in a level of usual size; at 10⁷ units the next float is a unit away.
+    return std::max(std::min(1.0F, diagonal / 4096.0F), 1e-6F * maxChannel(farthest));
+}
+
 DirectLight::DirectLight(const scene::Scene& scene, const lights::LightSet& lights,
                          const intersect::Intersector& intersector, const scene::Receivers& receivers,
                          const DirectOptions& options)
     : receivers_(receivers),
-      context_(std::make_unique<const Context>(
-          Context{scene, intersector, options,
-                  Sources(lights.lights(), options.softness, onPlaneOffsets * offsetFor(scene)), offsetFor(scene)})),
+      context_(std::make_unique<const Context>(Context{
+          scene, intersector, options, Sources(lights.lights(), options.softness, onPlaneOffsets * rayOffsetFor(scene)),
+          rayOffsetFor(scene)})),
       state_(std::make_unique<std::atomic<std::uint8_t>[]>(receivers.points.size())),
       irradiance_(std::make_unique<Rgb[]>(receivers.points.size())),
       variance_(std::make_unique<float[]>(receivers.points.size())) {}

@@ -53,6 +53,10 @@ struct DirectOptions {
     std::uint64_t seed = 0;
 };
 
+/// How far rays start off a surface and end before a light, units: 1, less in small scenes, more where floats are
+/// coarser.
+[[nodiscard]] float rayOffsetFor(const scene::Scene& scene);
+
 class DirectLight final : public Estimator {
 public:
     /// All references must outlive it.
@@ -74,9 +78,7 @@ public:
     [[nodiscard]] std::uint64_t receiversComputed() const { return computed_; }
     [[nodiscard]] std::size_t bytes() const;
 
-    /// How far rays start off the surface and end before the light, units: 1, less in small scenes, more where floats
-    /// are coarser.
-    [[nodiscard]] float rayOffset() const;
+    [[nodiscard]] float rayOffset() const; ///< rayOffsetFor(scene)
 
     struct Context; ///< what all receivers share, see direct_sources.h
 

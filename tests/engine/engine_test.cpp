@@ -33,6 +33,7 @@ Settings quickSettings() {
     Settings settings;
     settings.photonsFromLight = 2000;
     settings.accumulationFrames = 3;
+    settings.stillFrames = 3;
     settings.maxEdge = 48;
     return settings;
 }
@@ -48,6 +49,7 @@ std::vector<Rgb> settledLight(const Settings& settings, unsigned threadCount) {
     Engine engine(makeRoomLevel(), settings);
     while (engine.advance()) {}
     const auto which = all(engine);
+    engine.finish(which);
     std::vector<Rgb> light(which.size());
     engine.irradiance(which, light);
     setThreads(0);
@@ -61,7 +63,7 @@ bool sameBits(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 } // namespace
 
 TEST(Engine, SameSeedGivesTheSameBitsOnAnyNumberOfThreadsAndInEveryRun) {
-    for (const EstimatorKind estimator : {EstimatorKind::TrueArea, EstimatorKind::Nearest}) {
+    for (const EstimatorKind estimator : {EstimatorKind::Gather, EstimatorKind::TrueArea, EstimatorKind::Nearest}) {
         Settings settings = quickSettings();
         settings.estimator = estimator;
         const auto one = settledLight(settings, 1);
@@ -73,7 +75,9 @@ TEST(Engine, SameSeedGivesTheSameBitsOnAnyNumberOfThreadsAndInEveryRun) {
 }
 
 TEST(Engine, AStillSceneIsTracedOncePerFrameOfThePoolAndThenCostsNothing) {
-    Engine engine(makeRoomLevel(), quickSettings());
+    Settings settings = quickSettings();
+    settings.estimator = EstimatorKind::TrueArea;
+    Engine engine(makeRoomLevel(), settings);
     const auto which = all(engine);
     std::vector<Rgb> light(which.size());
     for (int frame = 0; frame < 10; ++frame) {
@@ -87,6 +91,39 @@ TEST(Engine, AStillSceneIsTracedOncePerFrameOfThePoolAndThenCostsNothing) {
     EXPECT_EQ(statistics.estimatesMade, 3 * which.size());
     EXPECT_EQ(statistics.estimatesReused, 7 * which.size());
     EXPECT_EQ(engine.lightRevision(), 3U);
+}
+
+TEST(Engine, WhatIsLookedAtIsRefinedWithinTheRaysOfAFrameThenNothingIsDone) {
+    Settings settings = quickSettings();
+    settings.refineRays = 5000;
+    Engine engine(makeRoomLevel(), settings);
+    const auto which = all(engine);
+    const std::vector<std::uint32_t> seen(which.begin(), which.begin() + 20);
+    std::vector<Rgb> light(seen.size());
+    std::uint64_t rays = 0;
+    int frames = 0;
+    engine.advance();
+    engine.irradiance(seen, light);
+    while (engine.advance()) {
+        ASSERT_LT(++frames, 200);
+        const Statistics now = engine.statistics();
+        // A step may overshoot by one batch of receivers: here all of them at once, at most 256 rays each and their
+        // texels' own.
+        EXPECT_LT(now.gatherRays - rays, 5000U + 20U * 256U + 200'000U);
+        rays = now.gatherRays;
+        engine.irradiance(seen, light);
+    }
+    EXPECT_GT(frames, 2);
+    EXPECT_EQ(engine.statistics().unfinished, 0U);
+    EXPECT_EQ(engine.statistics().framesTraced, 3U);
+    EXPECT_FALSE(engine.advance());
+    EXPECT_EQ(engine.statistics().gatherRays, rays);
+    // Frames without questions go on with what was asked last; what nobody looks at costs nothing.
+    EXPECT_LT(engine.statistics().directEstimates, which.size());
+    const std::vector<Rgb> before = light;
+    engine.finish(which);
+    engine.irradiance(seen, light);
+    EXPECT_TRUE(sameBits(before, light)) << "the rest does not change what was finished";
 }
 
 TEST(Engine, EachReceiverIsEstimatedOncePerRevisionHoweverOftenItIsDrawn) {

@@ -1,0 +1,444 @@
+#include "pie/gather/cached_gather.h"
+
+#include "pie/core/parallel.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+namespace pie::gather {
+namespace {
+
+constexpr std::size_t grain = 32;   // receivers a thread takes at once
+constexpr std::size_t batch = 1024; // receivers refined between two looks at the budget
+constexpr std::uint64_t expectedDirectRays = 64;
+constexpr std::uint32_t enoughPhotons = 8;    // for a first guess
+constexpr std::uint32_t enoughFirstHits = 64; // where they are all the direct light there is
+constexpr unsigned countBits = 10;
+constexpr std::uint32_t mostRays = 1U << countBits;         // one entry holds
+constexpr std::size_t mostTexels = 1U << (31U - countBits); // twice as many numbers
+constexpr unsigned largeShare = 32; // a texel that more than one ray in so many meets gathers itself
+
+/// What a receiver has: nothing yet, the light of its own texel, direct light, rows of three sizes.
+enum Stage : std::uint8_t { Unknown, OwnTexel, Direct, Coarse, Medium, Fine };
+
+/// Direct light of texels needs less care than that of receivers: hundreds of texels are averaged.
+DirectOptions texelDirectOptions(std::uint64_t seed) {
+    DirectOptions options;
+    options.tolerance = 0.1F;
+    options.absoluteTolerance = 2;
+    options.tailSamples = 16;
+    options.softSamples = 4;
+    options.softness = 1;
+    options.seed = seed ^ 0x7465786c73ULL;
+    return options;
+}
+
+double largestPower(const lights::LightSet& lights, const scene::Scene& scene) {
+    // Of absolute values: the compiler's negative lights send as large photons as others.
+    double power = 0;
+    for (const lights::Light& light : lights.lights())
+        power += static_cast<double>(maxChannel(glm::abs(lights::power(light, scene, lights.portals()))));
+    return power;
+}
+
+GatherOptions checked(GatherOptions options) {
+    options.rays = std::bit_ceil(std::clamp(options.rays, 2U, 65'536U));
+    options.texelRays = std::bit_ceil(std::clamp(options.texelRays, 2U, 65'536U));
+    options.texels.maxTexels = std::min(options.texels.maxTexels, mostTexels);
+    return options;
+}
+
+} // namespace
+
+CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& lights,
+                           const intersect::Intersector& intersector, const scene::Receivers& receivers,
+                           const DirectLight* direct, const GatherOptions& options)
+    : receivers_(receivers), direct_(direct), options_(checked(options)), texels_(scene, options_.texels),
+      texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
+                                                          texelDirectOptions(options.seed))
+                          : nullptr),
+      light_(texels_, largestPower(lights, scene), texelDirect_.get(), options.standardErrors),
+      gatherRays_(scene, intersector, texels_, receivers, rayOffsetFor(scene), options.seed),
+      texelGatherRays_(scene, intersector, texels_, texels_.points(), rayOffsetFor(scene), options.seed),
+      rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
+      own_(receivers.points.size(), SurfaceTexels::none), texelRows_(texels_.texels().size()),
+      texelPairs_(options.standardErrors ? texels_.texels().size() : 0) {
+    if (!direct) firstHits_ = std::make_unique<TexelLight>(texels_, largestPower(lights, scene), nullptr, false);
+    update();
+}
+
+CachedGather::~CachedGather() = default;
+
+void CachedGather::add(std::span<const photons::Photon> photons) {
+    light_.add(photons);
+    if (firstHits_) {
+        std::vector<photons::Photon> first;
+        std::copy_if(photons.begin(), photons.end(), std::back_inserter(first),
+                     [](const photons::Photon& photon) { return photon.bounce == 0; });
+        firstHits_->add(first);
+    }
+    update();
+}
+
+void CachedGather::update() {
+    light_.update();
+    if (firstHits_) firstHits_->update();
+    radiosity_ = bothWays(light_.radiosity(), true);
+}
+
+CachedGather::Radiosities CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const {
+    Radiosities both(byPhotons.begin(), byPhotons.end());
+    both.insert(both.end(), byPhotons.begin(), byPhotons.end());
+    parallelChunks(gatheringTexels_.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t t = gatheringTexels_[i];
+            Rgb light = gathered(texelRows_[t], byPhotons, raysOfPoint() * texels_.pointsPerTexel());
+            if (direct) light += light_.directIrradiance(t);
+            light *= texels_.texels()[t].reflectance;
+            both[texelCount() + t] = {light.x, light.y, light.z, 0.0F};
+        }
+    });
+    return both;
+}
+
+unsigned CachedGather::raysAt(unsigned stage) const {
+    return std::max(2U, options_.rays >> (2 * (Fine - std::min<unsigned>(stage, Fine))));
+}
+
+unsigned CachedGather::raysOfPoint() const {
+    return std::max(2U, std::bit_floor(options_.texelRays / texels_.pointsPerTexel()));
+}
+
+bool CachedGather::finished(std::uint32_t receiver) const { return stage_[receiver] >= Fine; }
+
+std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::uint64_t rays) {
+    const std::uint64_t before = rays_;
+    const std::uint64_t directBefore = direct_ ? direct_->raysTraced() : 0;
+    const std::uint64_t texelBefore = texelDirect_ ? texelDirect_->raysTraced() : 0;
+    const auto spent = [&] {
+        return rays_ - before + (direct_ ? direct_->raysTraced() - directBefore : 0) +
+               (texelDirect_ ? texelDirect_->raysTraced() - texelBefore : 0);
+    };
+    bool changed = ownTexels(wanted, [&] { return spent() < rays; });
+    std::vector<std::uint32_t> now;
+    for (unsigned stage = OwnTexel; stage < Fine && spent() < rays; ++stage) {
+        std::size_t next = 0;
+        while (next < wanted.size() && spent() < rays) {
+            now.clear();
+            // As many as the rays that are left are about enough for.
+            const std::uint64_t each = stage > OwnTexel ? raysAt(stage + 1) : expectedDirectRays;
+            const std::uint64_t most = std::clamp<std::uint64_t>((rays - std::min(rays, spent())) / each, grain, batch);
+            for (; next < wanted.size() && now.size() < most; ++next)
+                if (stage_[wanted[next]] == stage) now.push_back(wanted[next]);
+            if (now.empty()) break;
+            changed = true;
+            if (stage > OwnTexel) {
+                makeRows(now, raysAt(stage + 1));
+            } else if (direct_) {
+                std::vector<Rgb> ignored(now.size());
+                direct_->estimate(now, ignored);
+            }
+            for (const std::uint32_t r : now) stage_[r] = static_cast<std::uint8_t>(stage + 1);
+        }
+    }
+    if (changed) update();
+    // Where nothing had to be traced there was still progress.
+    return changed ? std::max<std::uint64_t>(spent(), 1) : 0;
+}
+
+/// The first guess. Texels in an order without pattern, so that a part of them already is a picture of the whole: the
+/// rest take the light of those around them. Returns whether anything was done.
+bool CachedGather::ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go) {
+    std::vector<std::uint32_t> which;
+    for (const std::uint32_t r : wanted)
+        if (stage_[r] == Unknown) which.push_back(r);
+    if (which.empty()) return false;
+    parallelChunks(which.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const scene::Receiver& receiver = receivers_.points[which[i]];
+            if (own_[which[i]] == SurfaceTexels::none) own_[which[i]] = texels_.near(receiver.inset, receiver.normal);
+        }
+    });
+    std::vector<std::uint32_t> texels;
+    for (const std::uint32_t r : which)
+        if (own_[r] != SurfaceTexels::none && !light_.hasDirect(own_[r])) texels.push_back(own_[r]);
+    const auto scattered = [](std::uint32_t t) { return t * 0x9e3779b1U; }; // one to one
+    std::sort(texels.begin(), texels.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return scattered(a) < scattered(b); });
+    texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
+    constexpr std::size_t some = 128;
+    for (std::size_t first = 0; first < texels.size() && go(); first += some)
+        light_.direct(std::span(texels).subspan(first, std::min(some, texels.size() - first)));
+    for (const std::uint32_t r : which)
+        if (own_[r] == SurfaceTexels::none || light_.hasDirect(own_[r])) stage_[r] = OwnTexel;
+    return true;
+}
+
+/// Sorted and counted. Those met by at least `large` rays are taken by their own gather.
+CachedGather::Row CachedGather::makeRow(std::vector<std::uint32_t>& met, std::uint32_t large) const {
+    std::sort(met.begin(), met.end());
+    std::vector<Entry> entries;
+    for (auto first = met.begin(); first != met.end();) {
+        const auto last = std::find_if(first, met.end(), [&](std::uint32_t t) { return t != *first; });
+        auto rays = static_cast<std::uint32_t>(last - first);
+        const std::uint32_t number = *first + (rays >= large ? texelCount() : 0U);
+        for (; rays > 0; rays -= std::min(rays, mostRays))
+            entries.push_back(number << countBits | (std::min(rays, mostRays) - 1));
+        first = last;
+    }
+    Row row;
+    row.size = static_cast<std::uint32_t>(entries.size());
+    row.entries = std::make_unique<Entry[]>(entries.size());
+    std::copy(entries.begin(), entries.end(), row.entries.get());
+    return row;
+}
+
+void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
+    parallelChunks(which.size(), grain, [&](std::size_t begin, std::size_t end) {
+        std::vector<TexelHit> hits;
+        gatherRays_.shoot(which.subspan(begin, end - begin), n, hits);
+        std::vector<std::uint32_t> met;
+        std::size_t at = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t count = gatherRays_.count(which[i], n);
+            met.clear();
+            for (std::size_t k = 0; k < count; ++k)
+                if (hits[at + k].texel != SurfaceTexels::none) met.push_back(hits[at + k].texel);
+            at += count;
+            rows_[which[i]] = makeRow(met, std::max(2U, n / largeShare));
+        }
+    });
+    std::vector<std::uint32_t> seen;
+    std::vector<std::uint32_t> large;
+    for (const std::uint32_t r : which) {
+        rays_ += gatherRays_.count(r, n);
+        for (std::uint32_t k = 0; k < rows_[r].size; ++k) {
+            const std::uint32_t number = rows_[r].entries[k] >> countBits;
+            if (number >= texelCount()) large.push_back(number - texelCount());
+            seen.push_back(number % texelCount());
+        }
+    }
+    light_.direct(seen);
+    makeTexelRows(std::move(large));
+}
+
+void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
+    std::erase_if(texels, [&](std::uint32_t t) { return texelRows_[t].entries != nullptr; });
+    std::sort(texels.begin(), texels.end());
+    texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
+    const unsigned points = texels_.pointsPerTexel();
+    const unsigned n = raysOfPoint();
+    parallelChunks(texels.size(), std::max<std::size_t>(1, grain / points), [&](std::size_t begin, std::size_t end) {
+        std::vector<TexelHit> hits;
+        std::vector<std::uint32_t> which(points);
+        std::vector<std::uint32_t> met;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t t = texels[i];
+            for (unsigned k = 0; k < points; ++k) which[k] = t * points + k;
+            hits.clear();
+            texelGatherRays_.shoot(which, n, hits);
+            met.clear();
+            for (const TexelHit& hit : hits)
+                if (hit.texel != SurfaceTexels::none) met.push_back(hit.texel);
+            texelRows_[t] = makeRow(met, std::numeric_limits<std::uint32_t>::max());
+            if (texelPairs_.empty()) continue;
+            for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
+                if (hits[k].texel != hits[k + 1].texel) texelPairs_[t].push_back({hits[k].texel, hits[k + 1].texel});
+        }
+    });
+    rays_ += std::uint64_t{texels.size()} * points * n;
+    std::vector<std::uint32_t> seen = texels;
+    for (const std::uint32_t t : texels)
+        for (std::uint32_t k = 0; k < texelRows_[t].size; ++k) seen.push_back(texelRows_[t].entries[k] >> countBits);
+    light_.direct(seen);
+    gatheringTexels_.insert(gatheringTexels_.end(), texels.begin(), texels.end());
+}
+
+Rgb CachedGather::gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n) {
+    TexelLight::Radiosity sum;
+    for (std::uint32_t i = 0; i < row.size; ++i) {
+        const TexelLight::Radiosity& at = radiosity[row.entries[i] >> countBits];
+        const auto count = static_cast<float>((row.entries[i] & (mostRays - 1)) + 1);
+        sum.r += count * at.r;
+        sum.g += count * at.g;
+        sum.b += count * at.b;
+    }
+    return Rgb(sum.r, sum.g, sum.b) / static_cast<float>(n);
+}
+
+void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
+    std::fill(irradiance.begin(), irradiance.end(), Rgb(0.0F));
+    std::vector<std::uint32_t> known;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        if (stage_[which[i]] < Direct) continue;
+        known.push_back(which[i]);
+        places.push_back(i);
+    }
+    if (direct_ && !known.empty()) {
+        std::vector<Rgb> direct(known.size());
+        direct_->estimate(known, direct);
+        for (std::size_t i = 0; i < known.size(); ++i) irradiance[places[i]] = direct[i];
+    }
+    parallelChunks(which.size(), 512, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t r = which[i];
+            const unsigned stage = stage_[r];
+            if (stage > Direct) {
+                if (firstHits_) irradiance[i] += firstHits_->broadIrradiance(own_[r], enoughFirstHits);
+                irradiance[i] += gathered(rows_[r], radiosity_, raysAt(stage));
+                continue;
+            }
+            const std::uint32_t texel =
+                stage == Unknown ? texels_.near(receivers_.points[r].inset, receivers_.points[r].normal) : own_[r];
+            if (texel == SurfaceTexels::none) continue;
+            irradiance[i] += light_.broadIrradiance(texel, enoughPhotons);
+            if (stage < Direct) irradiance[i] += light_.broadDirect(texel);
+        }
+    });
+}
+
+namespace {
+
+double mean(const TexelLight::Radiosity& b) { return static_cast<double>(b.r + b.g + b.b) / 3; }
+
+/// Squared standard error of a mean over values of batches, from their sum and the sum of their squares.
+double squaredError(double sum, double squares) {
+    constexpr double count = TexelLight::batches;
+    return std::max(0.0, squares - sum * sum / count) / (count * (count - 1));
+}
+
+std::vector<double> noiseOf(std::span<const std::vector<TexelLight::Radiosity>> batches) {
+    std::vector<double> noise(batches.front().size());
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        double sum = 0;
+        double squares = 0;
+        for (const auto& radiosity : batches) {
+            sum += mean(radiosity[i]);
+            squares += mean(radiosity[i]) * mean(radiosity[i]);
+        }
+        noise[i] = squaredError(sum, squares);
+    }
+    return noise;
+}
+
+} // namespace
+
+/// What all receivers are explained with.
+struct CachedGather::Explanation {
+    std::vector<Radiosities> batches; ///< photons of one batch alone, both ways
+    Radiosities coarse;               ///< of level 1; empty: there is none
+    std::vector<double> noise;        ///< squared standard error of each radiosity by its photons, both ways
+    std::vector<double> variance;     ///< of each texel's own gather, mean over the channels
+
+    /// Twice the variance of a stratum from its two rays. What photons add to their difference is taken out again: it
+    /// is in the spread of the batches already.
+    [[nodiscard]] double pair(std::span<const TexelLight::Radiosity> radiosity, std::uint32_t a,
+                              std::uint32_t b) const {
+        if (a == b) return 0;
+        const auto light = [&](std::uint32_t i) { return i == SurfaceTexels::none ? 0.0 : mean(radiosity[i]); };
+        const auto its = [&](std::uint32_t i) { return i == SurfaceTexels::none || noise.empty() ? 0.0 : noise[i]; };
+        const double difference = light(a) - light(b);
+        return difference * difference - its(a) - its(b);
+    }
+};
+
+void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const {
+    std::vector<Rgb> irradiance(which.size());
+    estimate(which, irradiance);
+    Explanation with;
+    if (options_.standardErrors) {
+        for (unsigned b = 0; b < TexelLight::batches; ++b)
+            with.batches.push_back(bothWays(light_.batchRadiosity(b), false));
+        with.noise = noiseOf(with.batches);
+        with.variance.assign(texelCount(), 0.0);
+        const double rays = static_cast<double>(raysOfPoint()) * texels_.pointsPerTexel();
+        for (const std::uint32_t t : gatheringTexels_) {
+            double sum = 0;
+            for (const auto& [a, b] : texelPairs_[t]) sum += with.pair(radiosity_, a, b);
+            const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
+            with.variance[t] = reflectance * reflectance * std::max(0.0, sum) / (rays * rays);
+        }
+    }
+    if (texels_.levels() > 1) with.coarse = light_.coarseRadiosity(1);
+    parallelChunks(which.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            estimates[i] = {irradiance[i]};
+            explainOne(which[i], with, estimates[i]);
+        }
+    });
+}
+
+void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const {
+    out.radius = texels_.edge();
+    if (stage_[receiver] <= Direct) return;
+    const unsigned n = raysAt(stage_[receiver]);
+    const Row& row = rows_[receiver];
+    // Which of the two ways a texel is taken depends on the row.
+    std::vector<std::uint32_t> large;
+    double variance = 0;
+    for (std::uint32_t k = 0; k < row.size; ++k) {
+        const std::uint32_t number = row.entries[k] >> countBits;
+        const std::uint32_t texel = number % texelCount();
+        const double count = (row.entries[k] & (mostRays - 1)) + 1.0;
+        const auto directError = static_cast<double>(light_.directError(texel));
+        variance += count * count * directError * directError;
+        if (number >= texelCount()) {
+            large.push_back(texel);
+            if (!with.variance.empty()) variance += count * count * with.variance[texel];
+        }
+        out.photons += light_.photons(texel);
+    }
+    const auto numberOf = [&](const TexelHit& hit) {
+        const bool own = std::find(large.begin(), large.end(), hit.texel) != large.end();
+        return hit.texel == SurfaceTexels::none || !own ? hit.texel : hit.texel + texelCount();
+    };
+    std::vector<TexelHit> hits;
+    gatherRays_.shoot(std::span(&receiver, 1), n, hits);
+    double pairs = 0;
+    double fine = 0;
+    double coarse = 0;
+    for (std::size_t k = 0; k + 1 < hits.size(); k += 2) {
+        pairs += with.pair(radiosity_, numberOf(hits[k]), numberOf(hits[k + 1]));
+        if (with.coarse.empty()) continue;
+        for (const TexelHit& hit : {hits[k], hits[k + 1]}) {
+            if (hit.texel == SurfaceTexels::none) continue;
+            fine += mean(light_.radiosity()[hit.texel]);
+            coarse += mean(with.coarse[texels_.texels()[hit.texel].parent]);
+        }
+    }
+    variance = (variance + std::max(0.0, pairs)) / (static_cast<double>(n) * n);
+    if (!with.batches.empty()) {
+        double sum = 0;
+        double squares = 0;
+        for (const Radiosities& batch : with.batches) {
+            const auto light = static_cast<double>(meanChannel(gathered(row, batch, n)));
+            sum += light;
+            squares += light * light;
+        }
+        variance += squaredError(sum, squares);
+    }
+    if (firstHits_) {
+        std::int64_t photons = 0;
+        const auto light =
+            static_cast<double>(meanChannel(firstHits_->broadIrradiance(own_[receiver], enoughFirstHits, &photons)));
+        if (photons > 0) variance += light * light / static_cast<double>(photons); // of about equal power: Poisson
+    }
+    out.standardError = static_cast<float>(std::sqrt(variance));
+    out.bias = static_cast<float>(std::abs(fine - coarse) / n);
+}
+
+std::size_t CachedGather::bytes() const {
+    std::size_t sum = texels_.bytes() + light_.bytes() + stage_.size() + own_.size() * sizeof(std::uint32_t) +
+                      (rows_.size() + texelRows_.size()) * sizeof(Row) +
+                      radiosity_.size() * sizeof(TexelLight::Radiosity);
+    for (const auto* rows : {&rows_, &texelRows_})
+        for (const Row& row : *rows) sum += row.size * sizeof(Entry);
+    for (const auto& pairs : texelPairs_) sum += pairs.size() * sizeof(Pair);
+    return sum;
+}
+
+} // namespace pie::gather

@@ -1,0 +1,114 @@
+#pragma once
+// The default estimator: a final gather over surface texels whose rays are shot once and kept.
+//
+//   E = direct light by shadow rays + 1/n Σ over the texels seen: rays that hit the texel · its radiosity
+//
+// The rays of a receiver depend on geometry alone. They are kept as a sparse row (texel, number of rays), so that a new
+// frame of photons costs a sparse matrix times a vector of colours: no tree, no search, no kernel, and no boundary bias
+// at edges, where a level's vertices are. Photons only have to be right on the mean over what a receiver sees.
+//
+// A texel that fills much of what a receiver sees (the wall beside an edge) would pass its own noise on. Such texels
+// gather themselves, from points spread over them (the secondary gather of pi-engine 3.2.2, cached): the receiver then
+// takes reflectance · (direct + gathered) from them in place of the photons that fell there.
+//
+// Rows are made in stages, so that the first picture does not wait: a receiver starts with the light of its own texel,
+// gets its direct light, then rows of ever more rays. refine() makes progress on those that are asked for, least
+// refined first, about as many rays as it is told; what a receiver has once all stages are done does not depend on the
+// order. Protocol: add photons, refine, then ask; add() and refine() by one thread at a time, not while others ask.
+//
+// Combines photons summed into texels (selective photon tracing; GPU gathering), final gathering (pi-engine 3.2.2) and
+// caching. doc/algorithms/cached-gather.md.
+
+#include "pie/gather/direct.h"
+#include "pie/gather/gather.h"
+#include "pie/gather/texel_light.h"
+#include "pie/gather/texel_rays.h"
+#include "pie/gather/texels.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace pie::gather {
+
+struct GatherOptions {
+    TexelOptions texels;
+    unsigned texelRays = 256; ///< of a texel that gathers itself, over all its points
+    unsigned rays =
+        256; ///< of a finished row, rounded up to a power of two, 2 to 65,536. Noise that stays falls with it
+    bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
+    std::uint64_t seed = 0;
+};
+
+class CachedGather final : public Estimator {
+public:
+    /// `direct` answers for `receivers`; null: direct light comes from photons, which then hold first hits: as blurred
+    /// as the texels around the receiver are large. All
+    /// references must outlive it.
+    CachedGather(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
+                 const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options);
+    ~CachedGather() override;
+
+    /// One more frame of photons, in the order of their indices.
+    void add(std::span<const photons::Photon> photons);
+    /// Spends about `rays` rays on the receivers of `wanted` that are not finished. Returns the rays spent: 0 when all
+    /// are.
+    std::uint64_t refine(std::span<const std::uint32_t> wanted, std::uint64_t rays);
+    [[nodiscard]] bool finished(std::uint32_t receiver) const;
+
+    void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override;
+    void explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const override;
+    [[nodiscard]] std::string_view name() const override { return "gather"; }
+
+    [[nodiscard]] const SurfaceTexels& texels() const { return texels_; }
+    [[nodiscard]] const TexelLight& light() const { return light_; }
+    [[nodiscard]] std::uint64_t raysTraced() const { return rays_; } ///< gathering and shadow rays on texels
+    [[nodiscard]] std::size_t bytes() const;
+
+private:
+    using Radiosities = std::vector<TexelLight::Radiosity>;
+    /// Number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold every texel twice: by
+    /// its photons, then by its own gather.
+    using Entry = std::uint32_t;
+    struct Row {
+        std::unique_ptr<Entry[]> entries;
+        std::uint32_t size = 0;
+    };
+    using Pair = std::array<std::uint32_t, 2>; ///< texels that the two rays of a stratum met, where they differ
+
+    [[nodiscard]] unsigned raysAt(unsigned stage) const;
+    [[nodiscard]] unsigned raysOfPoint() const;
+    [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }
+    bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
+    void makeRows(std::span<const std::uint32_t> which, unsigned n);
+    void makeTexelRows(std::vector<std::uint32_t> texels);
+    [[nodiscard]] Row makeRow(std::vector<std::uint32_t>& met, std::uint32_t large) const;
+    void update();
+    /// From radiosities by photons, for one entry per texel, those for two. `direct`: whether direct light is in them.
+    [[nodiscard]] Radiosities bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const;
+    [[nodiscard]] static Rgb gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n);
+    struct Explanation;
+    void explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const;
+
+    const scene::Receivers& receivers_;
+    const DirectLight* direct_;
+    GatherOptions options_;
+    SurfaceTexels texels_;
+    std::unique_ptr<DirectLight> texelDirect_;
+    TexelLight light_;
+    std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where no shadow rays bring direct light
+    TexelRays gatherRays_, texelGatherRays_;
+    std::vector<Row> rows_;
+    std::vector<std::uint8_t> stage_;
+    std::vector<std::uint32_t> own_; ///< texel a receiver lies on
+    std::vector<Row> texelRows_;
+    std::vector<std::vector<Pair>> texelPairs_; ///< for standard errors
+    std::vector<std::uint32_t> gatheringTexels_;
+    Radiosities radiosity_; ///< bothWays
+    std::uint64_t rays_ = 0;
+};
+
+} // namespace pie::gather

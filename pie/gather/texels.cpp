@@ -1,0 +1,418 @@
+#include "pie/gather/texels.h"
+
+#include "pie/core/parallel.h"
+#include "pie/gather/area.h"
+#include "pie/gather/cell_split.h"
+#include "pie/sampling/directions.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+namespace pie::gather {
+namespace {
+
+constexpr double largestCoordinate = 1U << 19U; // cells: 20 bits a coordinate
+constexpr std::size_t mostLevels = 8;
+constexpr std::size_t fewestTexels = 64; // a level with so few is the last
+constexpr float smallestCoverage = 1.0F / 16;
+// Walls stand on round numbers, so the grid does not: a wall in the very border of two cells would be in either.
+constexpr glm::dvec3 gridShift{0.3711, 0.4142, 0.4327};
+
+/// Axis (0 to 2) and sign of what a surface faces along: 2 · axis, plus one when negative.
+unsigned facing(const glm::dvec3& normal) {
+    const glm::dvec3 size = glm::abs(normal);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    return static_cast<unsigned>(2 * axis) + (normal[axis] < 0 ? 1U : 0U);
+}
+
+std::uint64_t keyOf(const glm::ivec3& cell, unsigned direction) {
+    const auto bits = [](int c) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(c) & 0xfffffU); };
+    return bits(cell.x) | bits(cell.y) << 20U | bits(cell.z) << 40U | std::uint64_t{direction} << 60U;
+}
+
+glm::ivec3 cellOf(std::uint64_t key) {
+    const auto coordinate = [](std::uint64_t bits) { return static_cast<int>(bits & 0xfffffU); };
+    return {coordinate(key), coordinate(key >> 20U), coordinate(key >> 40U)};
+}
+
+std::uint64_t parentKey(std::uint64_t key) { return keyOf(cellOf(key) / 2, static_cast<unsigned>(key >> 60U)); }
+
+/// Numbers in [0, 1) with an address.
+float hashed(std::uint64_t key, std::uint64_t number) {
+    std::uint64_t x = key * 0x9e3779b97f4a7c15ULL + number * 0xd1b54a32d192ed03ULL + 0x2545f4914f6cdd1dULL;
+    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebULL;
+    x ^= x >> 31U;
+    return static_cast<float>(x >> 40U) * 0x1p-24F;
+}
+
+/// A triangle of surface within one cell.
+struct Piece {
+    std::uint64_t key = 0;
+    std::uint32_t triangle = 0, texel = 0;
+    Vec3 corner{0.0F}, side1{0.0F}, side2{0.0F};
+    float area = 0;
+    bool back = false;
+};
+
+} // namespace
+
+struct SurfaceTexels::Index {
+    glm::dvec3 origin{0};
+    double scale = 1; ///< cells a unit
+    std::unordered_map<std::uint64_t, std::uint32_t> ofKey;
+    /// Where a point lies between all cells by rounding: the texels of its triangle, front and back.
+    std::vector<std::uint32_t> begin, ofTriangle;
+    std::vector<std::uint8_t> direction; ///< per triangle: facing(); 255 for what keeps no light
+    std::vector<std::uint8_t> texelDirection;
+
+    [[nodiscard]] glm::ivec3 cellAt(const Vec3& p) const {
+        const glm::dvec3 at = (glm::dvec3(p) - origin) * scale;
+        return glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(largestCoordinate));
+    }
+};
+
+namespace {
+
+bool keepsLight(const scene::Scene& scene, std::size_t triangle) {
+    return scene.material(triangle).interaction != scene::Interaction::Sky && scene.normals[triangle] != Vec3(0.0F);
+}
+
+void cutTriangle(const scene::Scene& scene, std::uint32_t triangle, const glm::dvec3& origin, double scale,
+                 unsigned direction, std::vector<Piece>& out) {
+    CellPolygon polygon;
+    for (int i = 0; i < 3; ++i) polygon.add((glm::dvec3(scene.corner(triangle, i)) - origin) * scale);
+    const bool twoSided = scene.material(triangle).twoSided;
+    forEachCell(polygon, [&](const glm::ivec3& cell, const CellPolygon& part) {
+        for (std::size_t i = 2; i < part.count; ++i) {
+            Piece piece;
+            const glm::dvec3 side1 = (part.corners[i - 1] - part.corners[0]) / scale;
+            const glm::dvec3 side2 = (part.corners[i] - part.corners[0]) / scale;
+            piece.area = static_cast<float>(0.5 * glm::length(glm::cross(side1, side2)));
+            if (!(piece.area > 0.0F)) continue;
+            piece.triangle = triangle;
+            piece.key = keyOf(cell, direction);
+            piece.corner = Vec3(part.corners[0] / scale + origin);
+            piece.side1 = Vec3(side1);
+            piece.side2 = Vec3(side2);
+            out.push_back(piece);
+            if (!twoSided) continue;
+            piece.key = keyOf(cell, direction ^ 1U);
+            piece.back = true;
+            out.push_back(piece);
+        }
+    });
+}
+
+/// Pieces in the order of the triangles; false when there would be too many.
+bool cutAll(const scene::Scene& scene, const glm::dvec3& origin, double scale, std::span<const std::uint8_t> direction,
+            std::size_t most, std::vector<Piece>& pieces) {
+    constexpr std::size_t grain = 256;
+    const std::size_t count = scene.triangles.size();
+    std::vector<std::vector<Piece>> parts((count + grain - 1) / grain);
+    parallelChunks(count, grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+            if (direction[t] != 255)
+                cutTriangle(scene, static_cast<std::uint32_t>(t), origin, scale, direction[t], parts[begin / grain]);
+    });
+    std::size_t size = 0;
+    for (const auto& part : parts) size += part.size();
+    if (size > most * 8) return false;
+    pieces.clear();
+    pieces.reserve(size);
+    for (const auto& part : parts) pieces.insert(pieces.end(), part.begin(), part.end());
+    return true;
+}
+
+/// What is summed up over a cell.
+struct Sum {
+    std::uint64_t key = 0;
+    double area = 0;
+    glm::dvec3 moment{0}, normal{0}, reflected{0};
+};
+
+/// Whether two neighbours are pieces of one plane.
+bool samePlane(const Sum& a, const Sum& b, double edge) {
+    const glm::dvec3 na = glm::normalize(a.normal);
+    const glm::dvec3 nb = glm::normalize(b.normal);
+    if (!(glm::dot(na, nb) > 0.9)) return false;
+    const glm::dvec3 apart = b.moment / b.area - a.moment / a.area;
+    return std::abs(glm::dot(apart, na)) < 0.25 * edge && std::abs(glm::dot(apart, nb)) < 0.25 * edge;
+}
+
+/// Joins small cells to a neighbour: the root of each.
+std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums,
+                                     const std::unordered_map<std::uint64_t, std::uint32_t>& ofKey, double edge) {
+    std::vector<std::uint32_t> root(sums.size());
+    std::iota(root.begin(), root.end(), 0U);
+    const auto find = [&](std::uint32_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    std::vector<std::uint32_t> small;
+    for (std::uint32_t i = 0; i < sums.size(); ++i)
+        if (sums[i].area < static_cast<double>(SurfaceTexels::mergeBelow) * edge * edge) small.push_back(i);
+    std::sort(small.begin(), small.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return sums[a].area < sums[b].area || (sums[a].area == sums[b].area && a < b);
+    });
+    for (const std::uint32_t i : small) {
+        const std::uint32_t own = find(i);
+        if (sums[own].area >= static_cast<double>(SurfaceTexels::mergeBelow) * edge * edge) continue;
+        std::uint32_t best = own;
+        const glm::ivec3 cell = cellOf(sums[i].key);
+        const auto direction = static_cast<unsigned>(sums[i].key >> 60U);
+        for (int n = 0; n < 27; ++n) {
+            const glm::ivec3 beside = cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+            const auto found = ofKey.find(keyOf(beside, direction));
+            if (found == ofKey.end()) continue;
+            const std::uint32_t other = find(found->second);
+            if (other == own || !samePlane(sums[own], sums[other], edge)) continue;
+            // Strips along borders join what lies beside them, not each other into longer strips.
+            const glm::ivec3 apart = glm::abs(cellOf(sums[other].key) - cell);
+            if (std::max({apart.x, apart.y, apart.z}) > 1) continue;
+            if (best == own || sums[other].area > sums[best].area ||
+                (sums[other].area == sums[best].area && other < best))
+                best = other;
+        }
+        if (best == own) continue;
+        root[own] = best;
+        sums[best].area += sums[own].area;
+        sums[best].moment += sums[own].moment;
+        sums[best].normal += sums[own].normal;
+        sums[best].reflected += sums[own].reflected;
+    }
+    for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = find(i);
+    return root;
+}
+
+/// Points spread evenly over the area of one texel.
+void placePoints(const scene::Scene& scene, std::span<const Piece* const> pieces, std::uint64_t key, unsigned count,
+                 std::span<scene::Receiver> out, SurfaceTexels::Texel& texel) {
+    double total = 0;
+    for (const Piece* piece : pieces) total += static_cast<double>(piece->area);
+    double before = 0;
+    std::size_t at = 0;
+    std::size_t first = 0;
+    double beforeFirst = 0;
+    double stopped = 0;
+    for (unsigned k = 0; k < count; ++k) {
+        // Two independent points in every half, quarter … of the area: their difference tells the error of the mean.
+        const unsigned strata = (count + 1) / 2;
+        const double target = (k / 2 + static_cast<double>(hashed(key, 3U * k))) / strata * total;
+        if (k % 2 == 0) {
+            first = at;
+            beforeFirst = before;
+        } else {
+            at = first;
+            before = beforeFirst;
+        }
+        while (at + 1 < pieces.size() && before + static_cast<double>(pieces[at]->area) <= target)
+            before += static_cast<double>(pieces[at++]->area);
+        const Piece& piece = *pieces[at];
+        const Vec2 w = sampling::uniformTriangle({hashed(key, 3U * k + 1), hashed(key, 3U * k + 2)});
+        scene::Receiver& receiver = out[k];
+        receiver.position = piece.corner + w.x * piece.side1 + w.y * piece.side2;
+        receiver.inset = receiver.position;
+        receiver.normal = piece.back ? -scene.normals[piece.triangle] : scene.normals[piece.triangle];
+        if (scene.material(piece.triangle).interaction != scene::Interaction::Filter) {
+            stopped += 1;
+            continue;
+        }
+        // Barycentric weights in the whole triangle say what the filter lets through.
+        const Vec3 a = scene.corner(piece.triangle, 0);
+        const Vec3 e1 = scene.corner(piece.triangle, 1) - a;
+        const Vec3 e2 = scene.corner(piece.triangle, 2) - a;
+        const Vec3 normal = glm::cross(e1, e2);
+        const float size = glm::dot(normal, normal);
+        const Vec3 d = receiver.position - a;
+        const float u = size > 0.0F ? glm::dot(glm::cross(d, e2), normal) / size : 0.0F;
+        const float v = size > 0.0F ? glm::dot(glm::cross(e1, d), normal) / size : 0.0F;
+        stopped += 1 - static_cast<double>(meanChannel(scene.transmittance(piece.triangle, u, v)));
+    }
+    texel.coverage = std::max(smallestCoverage, static_cast<float>(stopped / count));
+}
+
+} // namespace
+
+float SurfaceTexels::automaticEdge(const scene::Scene& scene) {
+    constexpr double texels = 4000;
+    constexpr double mostTexels = 250'000;
+    constexpr double largest = 64;
+    // A level's texels need not be larger than its doors and crates, unless there would be too many; a small scene has
+    // no unit to go by.
+    const double edge = std::min(std::sqrt(scene.area / texels), largest);
+    return static_cast<float>(std::max(edge, std::sqrt(scene.area / mostTexels)));
+}
+
+SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& options)
+    : scene_(scene), pointsPerTexel_(std::clamp(options.points, 2U, 64U) / 2 * 2), index_(std::make_unique<Index>()) {
+    Index& index = *index_;
+    index.direction.assign(scene.triangles.size(), 255);
+    for (std::size_t t = 0; t < scene.triangles.size(); ++t)
+        if (keepsLight(scene, t)) index.direction[t] = static_cast<std::uint8_t>(facing(scene.normals[t]));
+    edge_ = options.edge > 0.0F && std::isfinite(options.edge) ? options.edge : automaticEdge(scene);
+    const double longest = scene.bounds.empty() ? 0 : static_cast<double>(maxChannel(scene.bounds.size()));
+    if (!(edge_ > 0.0F)) edge_ = 1.0F;
+    edge_ = std::max(edge_, static_cast<float>(longest / (0.5 * largestCoordinate)));
+    // Cutting costs as much as there are cells, so the number of cells is bounded beforehand.
+    while (scene.area / (static_cast<double>(edge_) * static_cast<double>(edge_)) >
+           static_cast<double>(options.maxTexels))
+        edge_ *= 2;
+    std::vector<Piece> pieces;
+    for (;;) {
+        index.scale = 1 / static_cast<double>(edge_);
+        index.origin =
+            (scene.bounds.empty() ? glm::dvec3(0) : glm::dvec3(scene.bounds.lower)) - (1.0 + gridShift) / index.scale;
+        if (cutAll(scene, index.origin, index.scale, index.direction, options.maxTexels, pieces)) break;
+        edge_ *= 2;
+    }
+
+    std::vector<Sum> sums;
+    for (Piece& piece : pieces) {
+        const auto [place, fresh] = index.ofKey.try_emplace(piece.key, static_cast<std::uint32_t>(sums.size()));
+        if (fresh) sums.push_back({piece.key});
+        piece.texel = place->second;
+        Sum& sum = sums[piece.texel];
+        const auto area = static_cast<double>(piece.area);
+        sum.area += area;
+        sum.moment += area * glm::dvec3(piece.corner + (piece.side1 + piece.side2) / 3.0F);
+        sum.normal += area * glm::dvec3(scene.normals[piece.triangle]) * (piece.back ? -1.0 : 1.0);
+        sum.reflected += area * glm::dvec3(scene.material(piece.triangle).reflectance);
+    }
+    const std::vector<std::uint32_t> root = joinSmall(sums, index.ofKey, static_cast<double>(edge_));
+    std::vector<std::uint32_t> number(sums.size(), none);
+    std::vector<std::uint64_t> keys;
+    levels_.emplace_back();
+    for (std::uint32_t i = 0; i < sums.size(); ++i) {
+        if (root[i] != i) continue;
+        number[i] = static_cast<std::uint32_t>(levels_[0].size());
+        keys.push_back(sums[i].key);
+        index.texelDirection.push_back(static_cast<std::uint8_t>(sums[i].key >> 60U));
+        Texel texel;
+        texel.area = static_cast<float>(sums[i].area);
+        texel.centre = Vec3(sums[i].moment / sums[i].area);
+        texel.reflectance = Rgb(sums[i].reflected / sums[i].area);
+        levels_[0].push_back(texel);
+    }
+    for (auto& [key, texel] : index.ofKey) texel = number[root[texel]];
+    for (Piece& piece : pieces) piece.texel = number[root[piece.texel]];
+
+    // Texels of every triangle, each once.
+    index.begin.assign(scene.triangles.size() + 1, 0);
+    std::size_t next = 0;
+    for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+        index.begin[t] = static_cast<std::uint32_t>(index.ofTriangle.size());
+        for (; next < pieces.size() && pieces[next].triangle == t; ++next) {
+            const auto first = index.ofTriangle.begin() + index.begin[t];
+            // Neighbouring pieces mostly share their texel; the rest of the repetitions costs little.
+            if (index.ofTriangle.end() - first < 1 || index.ofTriangle.back() != pieces[next].texel)
+                index.ofTriangle.push_back(pieces[next].texel);
+        }
+    }
+    index.begin.back() = static_cast<std::uint32_t>(index.ofTriangle.size());
+
+    std::vector<const Piece*> byTexel(pieces.size());
+    std::vector<std::uint32_t> begin(keys.size() + 1, 0);
+    for (const Piece& piece : pieces) ++begin[piece.texel + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
+    for (const Piece& piece : pieces) byTexel[place[piece.texel]++] = &piece;
+    points_.points.resize(keys.size() * pointsPerTexel_);
+    parallelChunks(keys.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t)
+            placePoints(scene, std::span(byTexel).subspan(begin[t], begin[t + 1] - begin[t]), keys[t], pointsPerTexel_,
+                        std::span(points_.points).subspan(t * pointsPerTexel_, pointsPerTexel_), levels_[0][t]);
+    });
+
+    while (levels_.size() < mostLevels && levels_.back().size() > fewestTexels) {
+        std::vector<Texel>& fine = levels_.back();
+        std::vector<Texel> coarse;
+        std::vector<std::uint64_t> coarseKeys;
+        std::unordered_map<std::uint64_t, std::uint32_t> known;
+        for (std::size_t t = 0; t < fine.size(); ++t) {
+            const std::uint64_t key = parentKey(keys[t]);
+            const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(coarse.size()));
+            if (fresh) {
+                coarse.emplace_back();
+                coarse.back().coverage = 0;
+                coarseKeys.push_back(key);
+            }
+            Texel& sum = coarse[found->second];
+            sum.area += fine[t].area;
+            sum.centre += fine[t].area * fine[t].centre;
+            sum.reflectance += fine[t].area * fine[t].reflectance;
+            sum.coverage += fine[t].area * fine[t].coverage;
+            fine[t].parent = found->second;
+        }
+        for (Texel& texel : coarse) {
+            texel.centre /= texel.area;
+            texel.reflectance /= texel.area;
+            texel.coverage /= texel.area;
+        }
+        levels_.push_back(std::move(coarse));
+        keys = std::move(coarseKeys);
+    }
+}
+
+SurfaceTexels::~SurfaceTexels() = default;
+
+std::uint32_t SurfaceTexels::find(std::uint32_t triangle, bool back, const Vec3& point) const {
+    const Index& index = *index_;
+    if (triangle >= index.direction.size() || index.direction[triangle] == 255) return none;
+    if (back && !scene_.material(triangle).twoSided) return none;
+    const unsigned direction = index.direction[triangle] ^ (back ? 1U : 0U);
+    const auto found = index.ofKey.find(keyOf(index.cellAt(point), direction));
+    if (found != index.ofKey.end()) return found->second;
+    std::uint32_t best = none;
+    float least = std::numeric_limits<float>::infinity();
+    for (std::uint32_t i = index.begin[triangle]; i < index.begin[triangle + 1]; ++i) {
+        if (index.texelDirection[index.ofTriangle[i]] != direction) continue;
+        const Vec3 d = levels_[0][index.ofTriangle[i]].centre - point;
+        const float distance = glm::dot(d, d);
+        if (distance < least) {
+            least = distance;
+            best = index.ofTriangle[i];
+        }
+    }
+    return best;
+}
+
+std::uint32_t SurfaceTexels::find(const photons::Photon& photon) const {
+    if (photon.triangle >= scene_.triangles.size()) return none;
+    const bool back = glm::dot(scene_.normals[photon.triangle], photon.direction) > 0.0F;
+    return find(photon.triangle, back && scene_.material(photon.triangle).twoSided, photon.position);
+}
+
+std::uint32_t SurfaceTexels::near(const Vec3& point, const Vec3& normal) const {
+    const Index& index = *index_;
+    const unsigned direction = facing(normal);
+    const glm::ivec3 cell = index.cellAt(point);
+    std::uint32_t best = none;
+    float least = std::numeric_limits<float>::infinity();
+    for (int n = 0; n < 27; ++n) {
+        const auto found = index.ofKey.find(keyOf(cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), direction));
+        if (found == index.ofKey.end()) continue;
+        const Vec3 d = levels_[0][found->second].centre - point;
+        // Off the receiver's plane counts more than along it.
+        const float off = glm::dot(d, normal);
+        const float distance = glm::dot(d, d) + 8.0F * off * off;
+        if (distance < least) {
+            least = distance;
+            best = found->second;
+        }
+    }
+    return best;
+}
+
+std::size_t SurfaceTexels::bytes() const {
+    std::size_t sum = points_.points.size() * sizeof(scene::Receiver);
+    for (const auto& level : levels_) sum += level.size() * sizeof(Texel);
+    sum += index_->ofKey.size() * 32 + (index_->begin.size() + index_->ofTriangle.size()) * sizeof(std::uint32_t);
+    return sum;
+}
+
+} // namespace pie::gather
