@@ -92,9 +92,9 @@ int compile(const Arguments& arguments) {
     }
     if (arguments.quiet) return 0;
     const level::Bsp& bsp = compiled->bsp;
-    fmt::print("{}: {} brushes, {} patches -> {} faces, {} leaves, {} models, {} bytes\n", target.string(),
-               compiled->brushes, compiled->patches, bsp.faces.size(), bsp.leaves.size(), bsp.models.size(),
-               file.size());
+    fmt::print("{}: {} brushes, {} patches, {} models -> {} faces, {} leaves, {} parts, {} bytes\n", target.string(),
+               compiled->brushes, compiled->patches, compiled->models, bsp.faces.size(), bsp.leaves.size(),
+               bsp.models.size(), file.size());
     return 0;
 }
 

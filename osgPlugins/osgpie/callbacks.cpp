@@ -1,6 +1,7 @@
 #include "osgPlugins/osgpie/callbacks.h"
 
 #include "osgPlugins/osgpie/level_node.h"
+#include "pie/level/names.h"
 
 #include <osg/BufferObject>
 #include <osg/FrameStamp>
@@ -17,9 +18,10 @@ namespace osgpie {
 void AdvanceCallback::announce() {
     engine_->prepare();
     const pie::lights::ImportedLights& found = engine_->lights();
-    OSG_NOTICE << "[bsp] " << engine_->level().name << ": light: " << found.summary() << std::endl;
+    const std::string prefix = "[" + pie::level::lower(pie::level::extension(engine_->level().file)) + "] ";
+    OSG_NOTICE << prefix << engine_->level().name << ": light: " << found.summary() << std::endl;
     for (const std::string& warning : found.warnings)
-        OSG_INFO << "[bsp] " << engine_->level().name << ": " << warning << std::endl;
+        OSG_INFO << prefix << engine_->level().name << ": " << warning << std::endl;
 }
 
 void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {

@@ -134,6 +134,48 @@ void BspWriter::addPatch(const PatchText& patch, std::uint32_t mapShader, const 
     bsp.faces.push_back(face);
 }
 
+void BspWriter::addMesh(const Part::Mesh& mesh, const glm::dvec3& origin, std::int32_t effect) {
+    constexpr std::int32_t mostVertices = 999;
+    constexpr std::int32_t mostIndices = 5997;
+    constexpr std::int32_t none = -1;
+    std::vector<std::int32_t> places(mesh.vertices.size(), none); // in the piece
+    level::BspFace face;
+    const auto begin = [&] {
+        face = {};
+        face.shader = shader(mesh.shader);
+        face.effect = effect;
+        face.type = level::BspFaceType::Mesh;
+        face.firstVertex = static_cast<std::int32_t>(bsp.vertices.size());
+        face.firstMeshVertex = static_cast<std::int32_t>(bsp.meshVertices.size());
+        face.lightmap = level::vertexLit;
+        std::fill(places.begin(), places.end(), none);
+    };
+    begin();
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        if (face.vertexCount + 3 > mostVertices || face.meshVertexCount + 3 > mostIndices) {
+            bsp.faces.push_back(face);
+            begin();
+        }
+        // The file keeps corners clockwise.
+        for (const std::size_t corner : {i, i + 2, i + 1}) {
+            const ModelVertex& from = mesh.vertices[mesh.indices[corner]];
+            std::int32_t& place = places[mesh.indices[corner]];
+            if (place == none) {
+                place = face.vertexCount++;
+                level::BspVertex vertex;
+                vertex.position = toFloat(from.position - origin);
+                vertex.texture = Vec2(static_cast<float>(from.texture.x), static_cast<float>(from.texture.y));
+                const double length = glm::length(from.normal);
+                vertex.normal = length > 0 ? toFloat(from.normal / length) : Vec3(0, 0, 1);
+                bsp.vertices.push_back(vertex);
+            }
+            bsp.meshVertices.push_back(place);
+            ++face.meshVertexCount;
+        }
+    }
+    if (face.meshVertexCount > 0) bsp.faces.push_back(face);
+}
+
 std::int32_t BspWriter::addBrush(const Brush& brush, const glm::dvec3& origin) {
     level::BspBrush written;
     written.firstSide = static_cast<std::int32_t>(bsp.brushSides.size());

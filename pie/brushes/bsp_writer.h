@@ -3,6 +3,7 @@
 
 #include "pie/brushes/brush.h"
 #include "pie/brushes/chained_index.h"
+#include "pie/brushes/map_parts.h"
 #include "pie/brushes/map_shaders.h"
 #include "pie/brushes/visible.h"
 #include "pie/level/bsp.h"
@@ -19,6 +20,8 @@ public:
     void addPolygon(const Polygon& polygon, const Side& side, const FaceText& text, const glm::dvec3& origin,
                     std::int32_t effect);
     void addPatch(const PatchText& patch, std::uint32_t shader, const glm::dvec3& origin, std::int32_t effect);
+    /// In pieces of as many corners as the game can draw at once.
+    void addMesh(const Part::Mesh& mesh, const glm::dvec3& origin, std::int32_t effect);
     /// Number of the brush in the file.
     std::int32_t addBrush(const Brush& brush, const glm::dvec3& origin);
     /// Number of a map shader in the file.

@@ -1,6 +1,7 @@
 #include "pie/brushes/compile.h"
 
 #include "pie/brushes/level_writer.h"
+#include "pie/brushes/placed_models.h"
 #include "pie/level/names.h"
 
 #include <fmt/format.h>
@@ -30,12 +31,13 @@ class Compiler {
 public:
     Compiler(const MapText& map, const std::string& fileName, const level::Vfs& files,
              const level::ShaderLibrary& library)
-        : map_(map), fileName_(fileName), shaders_(files, library) {}
+        : map_(map), fileName_(fileName), files_(files), shaders_(files, library) {}
 
     Result<CompiledMap> compile() {
-        const MapParts gathered = gatherParts(map_, fileName_, planes_, shaders_, result_.warnings);
+        MapParts gathered = gatherParts(map_, fileName_, planes_, shaders_, result_.warnings);
         reportKeys();
         if (gathered.parts.empty()) return Error{fileName_, "", "has no worldspawn with brushes or patches", ""};
+        result_.models = ModelPlacer(files_, fileName_, shaders_, result_.warnings).place(map_, gathered.parts);
         result_.brushes = gathered.brushes;
         result_.patches = gathered.patches;
         done("brushes");
@@ -53,6 +55,7 @@ public:
 private:
     const MapText& map_;
     const std::string& fileName_;
+    const level::Vfs& files_;
     PlaneSet planes_;
     MapShaders shaders_;
     CompiledMap result_;
@@ -76,10 +79,7 @@ private:
             "_sun",        "_style",     "style",         "angle",        "angles",    "mangle",       "notfree",
             "notteam",     "notsingle",  "gametype",      "_tb_layer",    "_tb_group", "_tb_name"};
         std::set<std::string> reported;
-        std::size_t models = 0;
-        int firstModel = 0;
         for (const MapEntity& entity : map_.entities) {
-            if (level::equalNoCase(entity.entity.className(), "misc_model") && models++ == 0) firstModel = entity.line;
             if (!level::startsWithNoCase(entity.entity.className(), "light")) continue;
             for (const auto& [key, value] : entity.entity.pairs) {
                 const std::string name = level::lower(key);
@@ -87,9 +87,6 @@ private:
                     warn(entity.line, fmt::format("a light has a key '{}' that nothing reads", key));
             }
         }
-        if (models > 0)
-            warn(firstModel,
-                 fmt::format("{} misc_model: models are not read from .map text; a compiled .bsp has them", models));
     }
 
     [[nodiscard]] static Bounds worldBounds(const Part& world) {

@@ -15,7 +15,7 @@ struct CompiledMap {
     level::Bsp bsp;
     std::vector<std::string> warnings; ///< what was left out and why, one line each
     std::vector<level::StageTime> times;
-    std::size_t brushes = 0, patches = 0;
+    std::size_t brushes = 0, patches = 0, models = 0;
     /// From an entity through openings into the void, where the level leaks; then faces towards the void are kept.
     std::vector<glm::dvec3> leakPath;
 };

@@ -130,17 +130,24 @@ void LevelWriter::writeWorld(const SolidTree& tree, std::vector<Fragment> struct
                 for (const std::uint32_t leaf : leaves) leafFaces_[leaf].push_back(face);
         }
     }
-    for (const Part::Curve& curve : world.patches) {
-        if (kept_[curve.shader] == 0) continue;
-        const Bounds bounds = boundsOf(*curve.text);
+    // Calls add() for what is in the bounds, if anybody can see it, and lists the faces it wrote in leaves.
+    const auto listed = [&](const Bounds& bounds, const auto& add) {
         leaves.clear();
         tree.leavesNear(bounds, leaves);
         keepReached(tree, leaves);
-        if (leaves.empty()) continue;
-        const auto face = static_cast<std::uint32_t>(writer_.bsp.faces.size());
-        writer_.addPatch(*curve.text, curve.shader, glm::dvec3(0), fogAt(0.5 * (bounds.lower + bounds.upper)));
-        for (const std::uint32_t leaf : leaves) leafFaces_[leaf].push_back(face);
-    }
+        if (leaves.empty()) return;
+        const std::size_t first = writer_.bsp.faces.size();
+        add(fogAt(0.5 * (bounds.lower + bounds.upper)));
+        for (std::size_t face = first; face < writer_.bsp.faces.size(); ++face)
+            for (const std::uint32_t leaf : leaves) leafFaces_[leaf].push_back(static_cast<std::uint32_t>(face));
+    };
+    for (const Part::Curve& curve : world.patches)
+        if (kept_[curve.shader] != 0)
+            listed(boundsOf(*curve.text),
+                   [&](std::int32_t fog) { writer_.addPatch(*curve.text, curve.shader, glm::dvec3(0), fog); });
+    for (const Part::Mesh& mesh : world.meshes)
+        if (kept_[mesh.shader] != 0)
+            listed(mesh.bounds, [&](std::int32_t fog) { writer_.addMesh(mesh, glm::dvec3(0), fog); });
     endModel();
 }
 
@@ -154,6 +161,8 @@ void LevelWriter::writePart(const Part& part) {
     }
     for (const Part::Curve& curve : part.patches)
         if (kept_[curve.shader] != 0) writer_.addPatch(*curve.text, curve.shader, part.origin, -1);
+    for (const Part::Mesh& mesh : part.meshes)
+        if (kept_[mesh.shader] != 0) writer_.addMesh(mesh, part.origin, -1);
     endModel();
 }
 

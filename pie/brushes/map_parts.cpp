@@ -20,9 +20,10 @@ void classify(Brush& brush, MapShaders& shaders) {
         const MapShader& shader = shaders[side.shader];
         brush.hides = brush.hides && shader.hides;
         brush.origin = brush.origin || shader.origin;
-        brush.structural = brush.structural && (text.contents & detail) == 0 && shader.shader.parms.structural;
+        brush.structural =
+            brush.structural && shader.seals && (text.contents & detail) == 0 && shader.shader.parms.structural;
     }
-    brush.structural = brush.structural && brush.hides;
+    brush.hides = brush.hides || brush.structural;
 }
 
 } // namespace
@@ -41,6 +42,7 @@ Bounds Part::bounds() const {
     };
     for (const Brush& brush : brushes) add(brush.bounds);
     for (const Curve& curve : patches) add(boundsOf(*curve.text));
+    for (const Mesh& mesh : meshes) add(mesh.bounds);
     return all;
 }
 
@@ -79,7 +81,12 @@ MapParts gatherParts(const MapText& map, const std::string& fileName, PlaneSet& 
         Bounds middle;
         for (const Brush& brush : part.brushes)
             if (brush.origin) middle.extend(brush.bounds.lower), middle.extend(brush.bounds.upper);
-        if (!ofWorld && !middle.empty()) part.origin = 0.5 * (middle.lower + middle.upper);
+        if (!ofWorld) {
+            if (!middle.empty())
+                part.origin = 0.5 * (middle.lower + middle.upper);
+            else if (const std::optional<Vec3> given = entity.entity.vector("origin"))
+                part.origin = glm::dvec3(*given); // its brushes stand where the text says; the game adds this
+        }
         std::erase_if(part.brushes, [](const Brush& brush) { return brush.origin; });
     }
     return gathered;

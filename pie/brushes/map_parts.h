@@ -1,8 +1,9 @@
 #pragma once
-// The brushes and patches of a map by what moves together: the world first, then one part per brush entity.
+// The brushes, patches and models of a map by what moves together: the world first, then one part per brush entity.
 
 #include "pie/brushes/brush.h"
 #include "pie/brushes/map_shaders.h"
+#include "pie/brushes/model.h"
 
 #include <deque>
 #include <string>
@@ -18,9 +19,16 @@ struct Part {
         std::uint32_t shader = 0; ///< MapShaders
     };
     std::vector<Curve> patches;
-    glm::dvec3 origin{0}; ///< where the part stands: the middle of its origin brushes
+    struct Mesh {
+        std::uint32_t shader = 0;          ///< MapShaders
+        std::vector<ModelVertex> vertices; ///< in the world
+        std::vector<std::uint32_t> indices;
+        Bounds bounds;
+    };
+    std::vector<Mesh> meshes; ///< of models
+    glm::dvec3 origin{0};     ///< where the part stands: the middle of its origin brushes, else its "origin"
 
-    /// Of brushes and patches.
+    /// Of everything in it.
     [[nodiscard]] Bounds bounds() const;
 };
 [[nodiscard]] Bounds boundsOf(const PatchText& patch);

@@ -69,9 +69,10 @@ std::uint32_t MapShaders::find(const std::string& name) {
     if (added.shader.origin == "image") addToolParms(name, added.shader.parms);
     const SurfaceParms& p = added.shader.parms;
     added.origin = name.ends_with("/origin");
-    const bool open = p.translucent || p.nonSolid || p.water || p.slime || p.lava || p.fog || p.trigger || p.clip ||
-                      p.areaPortal || p.hint || added.origin;
-    added.hides = !open;
+    const bool open = p.translucent || p.alphaShadow || p.lightFilter || p.water || p.slime || p.lava || p.fog ||
+                      p.trigger || p.clip || p.areaPortal || p.hint || added.origin;
+    added.seals = !open;
+    added.hides = !open && !p.nonSolid;
     // What is not drawn may still shine.
     const bool seen = !p.noDraw || p.sky || added.shader.light.surfaceLight > 0;
     added.kept = seen && !added.origin && !p.hint && !p.areaPortal && !p.trigger;

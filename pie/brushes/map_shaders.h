@@ -15,7 +15,8 @@ namespace pie::brushes {
 struct MapShader {
     level::Shader shader;
     bool origin = false;                             ///< marks the centre of a brush entity
-    bool hides = false;                              ///< a brush of it is solid and lets no light through
+    bool seals = false;                              ///< a structural brush of it keeps the void out
+    bool hides = false;                              ///< any brush of it is solid and lets no light through
     bool kept = false;                               ///< its faces go into the level: drawn, sky, fog …
     std::int32_t surfaceFlags = 0, contentFlags = 0; ///< of the BSP file
 };

@@ -158,7 +158,7 @@ TEST(Compile, KeysOfLightsThatNobodyReadsAreNamedOnce) {
                test::entityText({{"classname", "misc_model"}, {"origin", "0 0 32"}, {"model", "x.md3"}}));
     ASSERT_EQ(level.statistics.warnings.size(), 2U);
     EXPECT_THAT(level.statistics.warnings[0], HasSubstr("key 'ligth'"));
-    EXPECT_THAT(level.statistics.warnings[1], HasSubstr("1 misc_model"));
+    EXPECT_THAT(level.statistics.warnings[1], HasSubstr("the model 'x.md3' is not there"));
 }
 
 TEST(Compile, TheFileGivesBackTheSameTriangles) {
