@@ -12,7 +12,8 @@ namespace {
 /// What the shaders of its faces make of a brush.
 void classify(Brush& brush, MapShaders& shaders) {
     brush.hides = true;
-    brush.structural = true;
+    // As in the level compiler the first side says whether a brush of several shaders keeps the void out.
+    brush.structural = shaders[shaders.find(brush.text->faces.front().shader)].seals;
     constexpr std::int32_t detail = 0x8000000;
     for (Side& side : brush.sides) {
         const FaceText& text = brush.text->faces[side.face];
@@ -20,8 +21,7 @@ void classify(Brush& brush, MapShaders& shaders) {
         const MapShader& shader = shaders[side.shader];
         brush.hides = brush.hides && shader.hides;
         brush.origin = brush.origin || shader.origin;
-        brush.structural =
-            brush.structural && shader.seals && (text.contents & detail) == 0 && shader.shader.parms.structural;
+        brush.structural = brush.structural && (text.contents & detail) == 0 && shader.shader.parms.structural;
     }
     brush.hides = brush.hides || brush.structural;
 }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 namespace {
 
 using namespace pie;
@@ -104,6 +106,40 @@ TEST(Compile, FogVolumesHoldTheFacesInThem) {
     }
     EXPECT_EQ(faces, 5U);
     EXPECT_DOUBLE_EQ(inside, 192 * 128 + 2 * 128 * 192 + 2 * 128 * 128);
+}
+
+/// Rounding of editors leaves slits between brushes; the level compiler's limit is a fifth of a unit.
+TEST(Compile, SlitsOfRoundingAreNoLeaks) {
+    for (const auto& [slit, leaks] : {std::pair{0.03, false}, std::pair{0.15, false}, std::pair{0.5, true}}) {
+        std::string room = test::roomText({-128, -96, 0}, {128, 96, 128});
+        room.erase(0, room.find("}\n") + 2); // the wall at +x is lower
+        room +=
+            test::boxText({128, -112, -16}, {144, 112, 128 - slit}) + test::boxText({128, -112, 128}, {144, 112, 144});
+        const Result<MapText> map = parseMap(test::levelText(room, {0, 0, 64}), "x.map");
+        ASSERT_TRUE(map);
+        const Result<CompiledMap> compiled = compileMap(*map, "x.map", {}, level::ShaderLibrary{});
+        ASSERT_TRUE(compiled);
+        EXPECT_EQ(!compiled->leakPath.empty(), leaks) << slit;
+    }
+}
+
+/// A wall with a glass sheet on one side is a wall, if its first side is.
+TEST(Compile, TheFirstSideOfABrushSaysWhetherItSeals) {
+    const std::vector<std::pair<std::string, std::string>> files{{"scripts/t.shader", scripts}};
+    const std::string wall = test::boxText({128, -112, -16}, {144, 112, 144});
+    for (const bool first : {true, false}) {
+        std::string room = test::roomText({-128, -96, 0}, {128, 96, 128});
+        room.erase(0, room.find("}\n") + 2);
+        std::string mixed = wall;
+        mixed.replace(first ? mixed.find("t/wall") : mixed.rfind("t/wall"), 6, "t/grate");
+        const level::Location location = test::mapInMemory(test::levelText(room + mixed, {0, 0, 64}), files);
+        const Result<level::Level> level = brushes::loadLevel(location);
+        ASSERT_TRUE(level);
+        const auto& warnings = level->statistics.warnings;
+        EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                              [](const std::string& w) { return w.find("leaks") != std::string::npos; }),
+                  first);
+    }
 }
 
 TEST(Compile, ALeakIsNamedWithItsWayAndKeepsEverything) {
