@@ -18,10 +18,10 @@ namespace osgpie {
 void AdvanceCallback::announce() {
     engine_->prepare();
     const pie::lights::ImportedLights& found = engine_->lights();
-    const std::string prefix = "[" + pie::level::lower(pie::level::extension(engine_->level().file)) + "] ";
-    OSG_NOTICE << prefix << engine_->level().name << ": light: " << found.summary() << std::endl;
+    const std::string kind = pie::level::lower(pie::level::extension(engine_->level().file));
+    OSG_NOTICE << '[' << kind << "] " << engine_->level().name << ": light: " << found.summary() << std::endl;
     for (const std::string& warning : found.warnings)
-        OSG_INFO << prefix << engine_->level().name << ": " << warning << std::endl;
+        OSG_INFO << '[' << kind << "] " << engine_->level().name << ": " << warning << std::endl;
 }
 
 void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {

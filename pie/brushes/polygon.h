@@ -48,11 +48,11 @@ public:
     ~Polygon() = default;
 
     void add(glm::dvec3 corner) {
-        if (size_ < near_.size()) {
-            near_[size_++] = corner;
+        if (size_ < near_.corners.size()) {
+            near_.corners[size_++] = corner;
             return;
         }
-        if (far_.empty()) far_.assign(near_.begin(), near_.end());
+        if (far_.empty()) far_.assign(near_.corners.begin(), near_.corners.end());
         far_.push_back(corner);
         ++size_;
     }
@@ -64,8 +64,8 @@ public:
     void shorten(std::size_t size) {
         if (!far_.empty()) {
             far_.resize(size);
-            if (size <= near_.size()) {
-                std::copy(far_.begin(), far_.end(), near_.begin());
+            if (size <= near_.corners.size()) {
+                std::copy(far_.begin(), far_.end(), near_.corners.begin());
                 far_.clear();
             }
         }
@@ -73,9 +73,9 @@ public:
     }
     [[nodiscard]] bool empty() const { return size_ == 0; }
     [[nodiscard]] std::size_t size() const { return size_; }
-    [[nodiscard]] const glm::dvec3* begin() const { return far_.empty() ? near_.data() : far_.data(); }
+    [[nodiscard]] const glm::dvec3* begin() const { return far_.empty() ? near_.corners.data() : far_.data(); }
     [[nodiscard]] const glm::dvec3* end() const { return begin() + size_; }
-    [[nodiscard]] glm::dvec3* begin() { return far_.empty() ? near_.data() : far_.data(); }
+    [[nodiscard]] glm::dvec3* begin() { return far_.empty() ? near_.corners.data() : far_.data(); }
     [[nodiscard]] glm::dvec3* end() { return begin() + size_; }
     [[nodiscard]] const glm::dvec3& operator[](std::size_t i) const { return begin()[i]; }
     [[nodiscard]] glm::dvec3& operator[](std::size_t i) { return begin()[i]; }
@@ -84,12 +84,17 @@ public:
 
 private:
     void copyNear(const Polygon& other) {
-        if (far_.empty()) std::copy_n(other.near_.begin(), size_, near_.begin());
+        if (far_.empty()) std::copy_n(other.near_.corners.begin(), size_, near_.corners.begin());
     }
 
+    /// Left as it is when a polygon is made: only what was added is read.
+    union Near {
+        Near() {}
+        std::array<glm::dvec3, 8> corners;
+    };
     std::size_t size_ = 0;
-    std::array<glm::dvec3, 8> near_; // left as it is: only what was pushed is read
-    std::vector<glm::dvec3> far_;    ///< all corners, if there are more
+    Near near_;
+    std::vector<glm::dvec3> far_; ///< all corners, if there are more
 };
 
 /// Half the side of the square that stands for a whole plane; no brush may reach farther.
