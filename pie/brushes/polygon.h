@@ -47,7 +47,7 @@ public:
     }
     ~Polygon() = default;
 
-    void add(glm::dvec3 corner) {
+    void add(const glm::dvec3& corner) {
         if (size_ < near_.corners.size()) {
             near_.corners[size_++] = corner;
             return;
@@ -89,7 +89,7 @@ private:
 
     /// Left as it is when a polygon is made: only what was added is read.
     union Near {
-        Near() {}
+        Near() {} // NOLINT(modernize-use-equals-default): that would be deleted, or clear them
         std::array<glm::dvec3, 8> corners;
     };
     std::size_t size_ = 0;
