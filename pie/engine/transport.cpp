@@ -27,11 +27,17 @@ double millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+bool gathers(const Settings& settings) {
+    return settings.estimator == EstimatorKind::Gather && !settings.finalGathering;
+}
+
 photons::TracerOptions tracerOptions(const Settings& settings) {
     photons::TracerOptions options;
     options.scattering = settings.scattering;
     options.diffuseReflections = static_cast<unsigned>(settings.diffuseReflections);
     options.recursionDepth = static_cast<unsigned>(settings.recursionDepth);
+    // The gather is a reflection itself.
+    if (gathers(settings) && options.recursionDepth > 0) --options.recursionDepth;
     options.storeDirectLight = settings.storesDirectLight();
     options.lightDistribution = settings.lightDistribution;
     options.diffuseDistribution = settings.diffuseDistribution;
@@ -73,6 +79,7 @@ gather::GatherOptions gatherOptions(const Settings& settings) {
     gather::GatherOptions options;
     options.texels.edge = settings.texelSize;
     options.rays = static_cast<unsigned>(settings.gatherRays);
+    options.reflections = static_cast<unsigned>(settings.recursionDepth);
     options.standardErrors = settings.standardErrors;
     options.seed = settings.seed;
     return options;
@@ -137,7 +144,7 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
     if (settings.finalGathering) {
         estimator = std::make_unique<gather::FinalGather>(*scene, *intersector, receivers, map, options,
                                                           finalGatherOptions(settings), direct ? &lights : nullptr);
-    } else if (settings.estimator == EstimatorKind::Gather) {
+    } else if (gathers(settings)) {
         auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
                                                              gatherOptions(settings));
         gathering = gather.get();

@@ -112,7 +112,9 @@ unsigned CachedGather::raysOfPoint() const {
     return std::max(2U, std::bit_floor(options_.texelRays / texels_.pointsPerTexel()));
 }
 
-bool CachedGather::finished(std::uint32_t receiver) const { return stage_[receiver] >= Fine; }
+unsigned CachedGather::lastStage() const { return options_.reflections > 0 ? Fine : Direct; }
+
+bool CachedGather::finished(std::uint32_t receiver) const { return stage_[receiver] >= lastStage(); }
 
 std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::uint64_t rays) {
     const std::uint64_t before = rays_;
@@ -124,7 +126,7 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
     };
     bool changed = ownTexels(wanted, [&] { return spent() < rays; });
     std::vector<std::uint32_t> now;
-    for (unsigned stage = OwnTexel; stage < Fine && spent() < rays; ++stage) {
+    for (unsigned stage = OwnTexel; stage < lastStage() && spent() < rays; ++stage) {
         std::size_t next = 0;
         while (next < wanted.size() && spent() < rays) {
             now.clear();
@@ -226,6 +228,7 @@ void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
 }
 
 void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
+    if (options_.reflections < 2) return;
     std::erase_if(texels, [&](std::uint32_t t) { return texelRows_[t].entries != nullptr; });
     std::sort(texels.begin(), texels.end());
     texels.erase(std::unique(texels.begin(), texels.end()), texels.end());

@@ -39,6 +39,9 @@ struct GatherOptions {
     unsigned texelRays = 256; ///< of a texel that gathers itself, over all its points
     unsigned rays =
         256; ///< of a finished row, rounded up to a power of two, 2 to 65,536. Noise that stays falls with it
+    /// Reflections that light arrives by, at most. 0: direct light alone, nothing is gathered. 1: texels do not gather
+    /// themselves. More: as many as the photons bring, which must have one less; beside edges one more.
+    unsigned reflections = 8;
     bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
     std::uint64_t seed = 0;
 };
@@ -79,6 +82,7 @@ private:
     };
     using Pair = std::array<std::uint32_t, 2>; ///< texels that the two rays of a stratum met, where they differ
 
+    [[nodiscard]] unsigned lastStage() const;
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
     [[nodiscard]] unsigned raysOfPoint() const;
     [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }

@@ -129,7 +129,8 @@ TEST_F(Pieshot, LitIsOurLightAndTheStatisticsSayHow) {
     EXPECT_GT(ahead[2], 20);
     EXPECT_GT(ahead[2], 2 * ahead[0]);
     const auto statistics = nlohmann::json::parse(lastLine(said.out));
-    EXPECT_EQ(statistics["photons_emitted"], 10'000);
+    EXPECT_EQ(statistics["photons_emitted"], 100'000) << "still_frames of them";
+    EXPECT_EQ(statistics["unfinished"], 0);
     EXPECT_EQ(statistics["lights"], 1);
     EXPECT_GT(statistics["photons_stored"].get<int>(), 0);
     EXPECT_EQ(statistics["photons_escaped"], 0) << "the room is closed";

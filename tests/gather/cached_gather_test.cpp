@@ -60,10 +60,10 @@ struct Cube {
         options.standardErrors = true;
         gather = std::make_unique<CachedGather>(*scene, lights, *intersector, receivers, direct.get(), options);
     }
-    void trace(std::uint64_t frames, std::uint64_t count) const {
+    void trace(std::uint64_t frames, std::uint64_t count, unsigned depth = 100) const {
         photons::TracerOptions options;
         options.storeDirectLight = !direct;
-        options.recursionDepth = 100;
+        options.recursionDepth = depth;
         const photons::PhotonTracer tracer(*scene, lights, *intersector, options);
         for (std::uint64_t f = 0; f < frames; ++f) {
             std::vector<photons::Photon> photons;
@@ -96,6 +96,21 @@ TEST(CachedGather, FindsTheExactMeanOfAClosedCube) {
                         shadowRays ? 0.005 : 0.01)
                 << rho << (shadowRays ? ", shadow rays" : ", photons alone");
         }
+}
+
+// Bounces of a closed cube are a geometric series: Φ/A (1 + ρ + ρ² + …).
+TEST(CachedGather, LightStopsAfterAsManyReflectionsAsAreAsked) {
+    constexpr double rho = 0.5;
+    for (const unsigned reflections : {0U, 1U}) {
+        GatherOptions options;
+        options.reflections = reflections;
+        const Cube cube(static_cast<float>(rho), options, true, 12);
+        cube.trace(1, 10'000, 0);
+        cube.finish();
+        for (const std::uint32_t r : all(cube.receivers)) EXPECT_TRUE(cube.gather->finished(r));
+        EXPECT_NEAR(cube.mean() / (static_cast<double>(watts) / area), reflections == 0 ? 1.0 : 1.0 + rho, 0.01);
+        EXPECT_EQ(cube.gather->raysTraced() == 0, reflections == 0);
+    }
 }
 
 TEST(CachedGather, EveryStageIsARoughAnswerAlready) {

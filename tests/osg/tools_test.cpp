@@ -208,7 +208,7 @@ TEST_F(Tools, PieshotStartsItsOwnDisplay) {
     ASSERT_NE(brace, std::string::npos) << result.out;
     const auto statistics = nlohmann::json::parse(result.out.substr(brace), nullptr, false);
     ASSERT_FALSE(statistics.is_discarded()) << result.out;
-    EXPECT_EQ(statistics["photons_emitted"], 3000);
+    EXPECT_EQ(statistics["photons_emitted"], 100'000) << "still_frames of them";
     EXPECT_GT(statistics["estimates_made"].get<int>(), 0);
     EXPECT_EQ(lines(result.out.substr(brace)), 1) << "one line of JSON";
 }
