@@ -71,7 +71,8 @@ void describe(CLI::App& app, Arguments& a) {
     app.add_flag("--two-sided", a.twoSided, "surfaces of an .obj reflect and receive on both sides");
     app.add_option("--set", a.settings, "KEY=VALUE, any setting of the engine (doc/settings.md); may be repeated")
         ->take_all();
-    app.add_option("--frames", a.frames, "frames of photons (default: accumulation_frames)")
+    app.add_option("--frames", a.frames,
+                   "frames of photons (default: still_frames, accumulation_frames where photons are kept)")
         ->check(CLI::Range(1, 1'000'000));
     app.add_option("--seed", a.seed, "same as --set seed=N");
     app.add_option("--threads", a.threads, "same as --set threads=N; changes nothing but time");

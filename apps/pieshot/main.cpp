@@ -81,7 +81,6 @@ std::string optionString(const Arguments& arguments) {
     return options;
 }
 
-/// Frames until a still scene has all its photons.
 /// Frames without drawing until the light of what the last drawn frame showed stands still.
 void settle(osgViewer::Viewer& viewer, const osg::Node& level) {
     bool settled = false;

@@ -269,6 +269,7 @@ void Transport::finish(std::span<const std::uint32_t> which) {
     const std::lock_guard lock(s.mutex);
     const auto start = Clock::now();
     s.statistics.gatherRays += s.gathering->refine(which, std::numeric_limits<std::uint64_t>::max());
+    s.statistics.gatherBytes = s.gathering->bytes();
     s.statistics.refineMs += millisecondsSince(start);
     ++s.lightRevision;
 }

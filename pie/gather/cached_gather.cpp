@@ -14,15 +14,10 @@ namespace {
 constexpr std::size_t grain = 32;   // receivers a thread takes at once
 constexpr std::size_t batch = 1024; // receivers refined between two looks at the budget
 constexpr std::uint64_t expectedDirectRays = 64;
-constexpr std::uint32_t enoughPhotons = 8;    // for a first guess
-constexpr std::uint32_t enoughFirstHits = 64; // where they are all the direct light there is
+constexpr std::uint32_t enoughPhotons = 8; // for a first guess
 constexpr unsigned countBits = 10;
-constexpr std::uint32_t mostRays = 1U << countBits;         // one entry holds
-constexpr std::size_t mostTexels = 1U << (31U - countBits); // twice as many numbers
-constexpr unsigned largeShare = 32; // a texel that more than one ray in so many meets gathers itself
-
-/// What a receiver has: nothing yet, the light of its own texel, direct light, rows of three sizes.
-enum Stage : std::uint8_t { Unknown, OwnTexel, Direct, Coarse, Medium, Fine };
+constexpr std::uint32_t mostRays = 1U << countBits; // one entry holds
+constexpr unsigned largeShare = 32;                 // a texel that more than one ray in so many meets gathers itself
 
 /// Direct light of texels needs less care than that of receivers: hundreds of texels are averaged.
 DirectOptions texelDirectOptions(std::uint64_t seed) {
@@ -44,14 +39,14 @@ double largestPower(const lights::LightSet& lights, const scene::Scene& scene) {
     return power;
 }
 
-GatherOptions checked(GatherOptions options) {
+} // namespace
+
+GatherOptions CachedGather::checked(GatherOptions options) {
     options.rays = std::bit_ceil(std::clamp(options.rays, 2U, 65'536U));
     options.texelRays = std::bit_ceil(std::clamp(options.texelRays, 2U, 65'536U));
     options.texels.maxTexels = std::min(options.texels.maxTexels, mostTexels);
     return options;
 }
-
-} // namespace
 
 CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& lights,
                            const intersect::Intersector& intersector, const scene::Receivers& receivers,
@@ -73,13 +68,13 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
 CachedGather::~CachedGather() = default;
 
 void CachedGather::add(std::span<const photons::Photon> photons) {
-    light_.add(photons);
-    if (firstHits_) {
-        std::vector<photons::Photon> first;
-        std::copy_if(photons.begin(), photons.end(), std::back_inserter(first),
-                     [](const photons::Photon& photon) { return photon.bounce == 0; });
-        firstHits_->add(first);
-    }
+    // First hits are direct light: with shadow rays, texels have it from those.
+    std::vector<photons::Photon> first;
+    std::vector<photons::Photon> later;
+    std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first), std::back_inserter(later),
+                        [](const photons::Photon& photon) { return photon.bounce == 0; });
+    light_.add(direct_ ? std::span<const photons::Photon>(later) : photons);
+    if (firstHits_) firstHits_->add(first);
     update();
 }
 
@@ -96,7 +91,7 @@ CachedGather::Radiosities CachedGather::bothWays(std::span<const TexelLight::Rad
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t t = gatheringTexels_[i];
             Rgb light = gathered(texelRows_[t], byPhotons, raysOfPoint() * texels_.pointsPerTexel());
-            if (direct) light += light_.directIrradiance(t);
+            if (direct) light += firstHits_ ? firstHits_->broadIrradiance(t, 1) : light_.directIrradiance(t);
             light *= texels_.texels()[t].reflectance;
             both[texelCount() + t] = {light.x, light.y, light.z, 0.0F};
         }
@@ -124,7 +119,8 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
         return rays_ - before + (direct_ ? direct_->raysTraced() - directBefore : 0) +
                (texelDirect_ ? texelDirect_->raysTraced() - texelBefore : 0);
     };
-    bool changed = ownTexels(wanted, [&] { return spent() < rays; });
+    bool changed = survey();
+    changed = ownTexels(wanted, [&] { return spent() < rays; }) || changed;
     std::vector<std::uint32_t> now;
     for (unsigned stage = OwnTexel; stage < lastStage() && spent() < rays; ++stage) {
         std::size_t next = 0;
@@ -149,6 +145,17 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
     if (changed) update();
     // Where nothing had to be traced there was still progress.
     return changed ? std::max<std::uint64_t>(spent(), 1) : 0;
+}
+
+/// Before anything was asked for: direct light of some texels all over the scene, from which the others take theirs.
+bool CachedGather::survey() {
+    if (surveyed_) return false;
+    surveyed_ = true;
+    constexpr std::uint32_t most = 1024;
+    std::vector<std::uint32_t> texels;
+    const std::uint32_t step = std::max(1U, texelCount() / most);
+    for (std::uint32_t t = 0; t < texelCount(); t += step) texels.push_back(t);
+    return light_.direct(texels) > 0;
 }
 
 /// The first guess. Texels in an order without pattern, so that a part of them already is a picture of the whole: the
@@ -302,136 +309,6 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
             if (stage < Direct) irradiance[i] += light_.broadDirect(texel);
         }
     });
-}
-
-namespace {
-
-double mean(const TexelLight::Radiosity& b) { return static_cast<double>(b.r + b.g + b.b) / 3; }
-
-/// Squared standard error of a mean over values of batches, from their sum and the sum of their squares.
-double squaredError(double sum, double squares) {
-    constexpr double count = TexelLight::batches;
-    return std::max(0.0, squares - sum * sum / count) / (count * (count - 1));
-}
-
-std::vector<double> noiseOf(std::span<const std::vector<TexelLight::Radiosity>> batches) {
-    std::vector<double> noise(batches.front().size());
-    for (std::size_t i = 0; i < noise.size(); ++i) {
-        double sum = 0;
-        double squares = 0;
-        for (const auto& radiosity : batches) {
-            sum += mean(radiosity[i]);
-            squares += mean(radiosity[i]) * mean(radiosity[i]);
-        }
-        noise[i] = squaredError(sum, squares);
-    }
-    return noise;
-}
-
-} // namespace
-
-/// What all receivers are explained with.
-struct CachedGather::Explanation {
-    std::vector<Radiosities> batches; ///< photons of one batch alone, both ways
-    Radiosities coarse;               ///< of level 1; empty: there is none
-    std::vector<double> noise;        ///< squared standard error of each radiosity by its photons, both ways
-    std::vector<double> variance;     ///< of each texel's own gather, mean over the channels
-
-    /// Twice the variance of a stratum from its two rays. What photons add to their difference is taken out again: it
-    /// is in the spread of the batches already.
-    [[nodiscard]] double pair(std::span<const TexelLight::Radiosity> radiosity, std::uint32_t a,
-                              std::uint32_t b) const {
-        if (a == b) return 0;
-        const auto light = [&](std::uint32_t i) { return i == SurfaceTexels::none ? 0.0 : mean(radiosity[i]); };
-        const auto its = [&](std::uint32_t i) { return i == SurfaceTexels::none || noise.empty() ? 0.0 : noise[i]; };
-        const double difference = light(a) - light(b);
-        return difference * difference - its(a) - its(b);
-    }
-};
-
-void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const {
-    std::vector<Rgb> irradiance(which.size());
-    estimate(which, irradiance);
-    Explanation with;
-    if (options_.standardErrors) {
-        for (unsigned b = 0; b < TexelLight::batches; ++b)
-            with.batches.push_back(bothWays(light_.batchRadiosity(b), false));
-        with.noise = noiseOf(with.batches);
-        with.variance.assign(texelCount(), 0.0);
-        const double rays = static_cast<double>(raysOfPoint()) * texels_.pointsPerTexel();
-        for (const std::uint32_t t : gatheringTexels_) {
-            double sum = 0;
-            for (const auto& [a, b] : texelPairs_[t]) sum += with.pair(radiosity_, a, b);
-            const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
-            with.variance[t] = reflectance * reflectance * std::max(0.0, sum) / (rays * rays);
-        }
-    }
-    if (texels_.levels() > 1) with.coarse = light_.coarseRadiosity(1);
-    parallelChunks(which.size(), 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            estimates[i] = {irradiance[i]};
-            explainOne(which[i], with, estimates[i]);
-        }
-    });
-}
-
-void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const {
-    out.radius = texels_.edge();
-    if (stage_[receiver] <= Direct) return;
-    const unsigned n = raysAt(stage_[receiver]);
-    const Row& row = rows_[receiver];
-    // Which of the two ways a texel is taken depends on the row.
-    std::vector<std::uint32_t> large;
-    double variance = 0;
-    for (std::uint32_t k = 0; k < row.size; ++k) {
-        const std::uint32_t number = row.entries[k] >> countBits;
-        const std::uint32_t texel = number % texelCount();
-        const double count = (row.entries[k] & (mostRays - 1)) + 1.0;
-        const auto directError = static_cast<double>(light_.directError(texel));
-        variance += count * count * directError * directError;
-        if (number >= texelCount()) {
-            large.push_back(texel);
-            if (!with.variance.empty()) variance += count * count * with.variance[texel];
-        }
-        out.photons += light_.photons(texel);
-    }
-    const auto numberOf = [&](const TexelHit& hit) {
-        const bool own = std::find(large.begin(), large.end(), hit.texel) != large.end();
-        return hit.texel == SurfaceTexels::none || !own ? hit.texel : hit.texel + texelCount();
-    };
-    std::vector<TexelHit> hits;
-    gatherRays_.shoot(std::span(&receiver, 1), n, hits);
-    double pairs = 0;
-    double fine = 0;
-    double coarse = 0;
-    for (std::size_t k = 0; k + 1 < hits.size(); k += 2) {
-        pairs += with.pair(radiosity_, numberOf(hits[k]), numberOf(hits[k + 1]));
-        if (with.coarse.empty()) continue;
-        for (const TexelHit& hit : {hits[k], hits[k + 1]}) {
-            if (hit.texel == SurfaceTexels::none) continue;
-            fine += mean(light_.radiosity()[hit.texel]);
-            coarse += mean(with.coarse[texels_.texels()[hit.texel].parent]);
-        }
-    }
-    variance = (variance + std::max(0.0, pairs)) / (static_cast<double>(n) * n);
-    if (!with.batches.empty()) {
-        double sum = 0;
-        double squares = 0;
-        for (const Radiosities& batch : with.batches) {
-            const auto light = static_cast<double>(meanChannel(gathered(row, batch, n)));
-            sum += light;
-            squares += light * light;
-        }
-        variance += squaredError(sum, squares);
-    }
-    if (firstHits_) {
-        std::int64_t photons = 0;
-        const auto light =
-            static_cast<double>(meanChannel(firstHits_->broadIrradiance(own_[receiver], enoughFirstHits, &photons)));
-        if (photons > 0) variance += light * light / static_cast<double>(photons); // of about equal power: Poisson
-    }
-    out.standardError = static_cast<float>(std::sqrt(variance));
-    out.bias = static_cast<float>(std::abs(fine - coarse) / n);
 }
 
 std::size_t CachedGather::bytes() const {

@@ -72,10 +72,17 @@ public:
     [[nodiscard]] std::size_t bytes() const;
 
 private:
+    /// What a receiver has: nothing yet, the light of its own texel, direct light, rows of three sizes.
+    enum Stage : std::uint8_t { Unknown, OwnTexel, Direct, Coarse, Medium, Fine };
+
     using Radiosities = std::vector<TexelLight::Radiosity>;
     /// Number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold every texel twice: by
     /// its photons, then by its own gather.
     using Entry = std::uint32_t;
+    static constexpr unsigned countBits = 10;
+    static constexpr std::uint32_t mostRays = 1U << countBits; ///< one entry holds
+    static constexpr std::size_t mostTexels = 1U << (31U - countBits);
+    static constexpr std::uint32_t enoughFirstHits = 16; ///< where they are all the direct light there is
     struct Row {
         std::unique_ptr<Entry[]> entries;
         std::uint32_t size = 0;
@@ -86,6 +93,7 @@ private:
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
     [[nodiscard]] unsigned raysOfPoint() const;
     [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }
+    bool survey();
     bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
     void makeRows(std::span<const std::uint32_t> which, unsigned n);
     void makeTexelRows(std::vector<std::uint32_t> texels);
@@ -94,6 +102,7 @@ private:
     /// From radiosities by photons, for one entry per texel, those for two. `direct`: whether direct light is in them.
     [[nodiscard]] Radiosities bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const;
     [[nodiscard]] static Rgb gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n);
+    [[nodiscard]] static GatherOptions checked(GatherOptions options);
     struct Explanation;
     void explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const;
 
@@ -113,6 +122,7 @@ private:
     std::vector<std::uint32_t> gatheringTexels_;
     Radiosities radiosity_; ///< bothWays
     std::uint64_t rays_ = 0;
+    bool surveyed_ = false;
 };
 
 } // namespace pie::gather

@@ -128,6 +128,14 @@ bool cutAll(const scene::Scene& scene, const glm::dvec3& origin, double scale, s
     return true;
 }
 
+std::size_t cellsOf(std::span<const Piece> pieces) {
+    std::vector<std::uint64_t> keys;
+    keys.reserve(pieces.size());
+    for (const Piece& piece : pieces) keys.push_back(piece.key);
+    std::sort(keys.begin(), keys.end());
+    return static_cast<std::size_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
+}
+
 /// What is summed up over a cell.
 struct Sum {
     std::uint64_t key = 0;
@@ -267,7 +275,9 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
         index.scale = 1 / static_cast<double>(edge_);
         index.origin =
             (scene.bounds.empty() ? glm::dvec3(0) : glm::dvec3(scene.bounds.lower)) - (1.0 + gridShift) / index.scale;
-        if (cutAll(scene, index.origin, index.scale, index.direction, options.maxTexels, pieces)) break;
+        if (cutAll(scene, index.origin, index.scale, index.direction, options.maxTexels, pieces) &&
+            cellsOf(pieces) <= options.maxTexels)
+            break;
         edge_ *= 2;
     }
 

@@ -138,7 +138,7 @@ TEST(SurfaceTexels, ExtremeScenesHaveBoundedNumbersOfTexels) {
     builder.room(Vec3(0.0F), Vec3(4096));
     TexelOptions options{0.01F};
     options.maxTexels = 100'000;
-    EXPECT_LE(SurfaceTexels(*builder.make(), options).texels().size(), 800'000U);
+    EXPECT_LE(SurfaceTexels(*builder.make(), options).texels().size(), 100'000U);
 }
 
 /// A frame of photons of unit power scattered over the room.

@@ -1,0 +1,142 @@
+// What a gather knows about its error.
+
+#include "pie/gather/cached_gather.h"
+
+#include "pie/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pie::gather {
+namespace {
+
+double mean(const TexelLight::Radiosity& b) { return static_cast<double>(b.r + b.g + b.b) / 3; }
+
+/// Squared standard error of a mean over values of batches, from their sum and the sum of their squares.
+double squaredError(double sum, double squares) {
+    constexpr double count = TexelLight::batches;
+    return std::max(0.0, squares - sum * sum / count) / (count * (count - 1));
+}
+
+std::vector<double> noiseOf(std::span<const std::vector<TexelLight::Radiosity>> batches) {
+    std::vector<double> noise(batches.front().size());
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        double sum = 0;
+        double squares = 0;
+        for (const auto& radiosity : batches) {
+            sum += mean(radiosity[i]);
+            squares += mean(radiosity[i]) * mean(radiosity[i]);
+        }
+        noise[i] = squaredError(sum, squares);
+    }
+    return noise;
+}
+
+} // namespace
+
+/// What all receivers are explained with.
+struct CachedGather::Explanation {
+    std::vector<Radiosities> batches; ///< photons of one batch alone, both ways
+    Radiosities coarse;               ///< of level 1; empty: there is none
+    std::vector<double> noise;        ///< squared standard error of each radiosity by its photons, both ways
+    std::vector<double> variance;     ///< of each texel's own gather, mean over the channels
+
+    /// Twice the variance of a stratum from its two rays. What photons add to their difference is taken out again: it
+    /// is in the spread of the batches already.
+    [[nodiscard]] double pair(std::span<const TexelLight::Radiosity> radiosity, std::uint32_t a,
+                              std::uint32_t b) const {
+        if (a == b) return 0;
+        const auto light = [&](std::uint32_t i) { return i == SurfaceTexels::none ? 0.0 : mean(radiosity[i]); };
+        const auto its = [&](std::uint32_t i) { return i == SurfaceTexels::none || noise.empty() ? 0.0 : noise[i]; };
+        const double difference = light(a) - light(b);
+        return difference * difference - its(a) - its(b);
+    }
+};
+
+void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const {
+    std::vector<Rgb> irradiance(which.size());
+    estimate(which, irradiance);
+    Explanation with;
+    if (options_.standardErrors) {
+        for (unsigned b = 0; b < TexelLight::batches; ++b)
+            with.batches.push_back(bothWays(light_.batchRadiosity(b), false));
+        with.noise = noiseOf(with.batches);
+        with.variance.assign(texelCount(), 0.0);
+        const double rays = static_cast<double>(raysOfPoint()) * texels_.pointsPerTexel();
+        for (const std::uint32_t t : gatheringTexels_) {
+            double sum = 0;
+            for (const auto& [a, b] : texelPairs_[t]) sum += with.pair(radiosity_, a, b);
+            const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
+            with.variance[t] = reflectance * reflectance * std::max(0.0, sum) / (rays * rays);
+        }
+    }
+    if (texels_.levels() > 1) with.coarse = light_.coarseRadiosity(1);
+    parallelChunks(which.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            estimates[i] = {irradiance[i]};
+            explainOne(which[i], with, estimates[i]);
+        }
+    });
+}
+
+void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const {
+    out.radius = texels_.edge();
+    if (stage_[receiver] <= Direct) return;
+    const unsigned n = raysAt(stage_[receiver]);
+    const Row& row = rows_[receiver];
+    // Which of the two ways a texel is taken depends on the row.
+    std::vector<std::uint32_t> large;
+    double variance = 0;
+    for (std::uint32_t k = 0; k < row.size; ++k) {
+        const std::uint32_t number = row.entries[k] >> countBits;
+        const std::uint32_t texel = number % texelCount();
+        const double count = (row.entries[k] & (mostRays - 1)) + 1.0;
+        const auto directError = static_cast<double>(light_.directError(texel));
+        variance += count * count * directError * directError;
+        if (number >= texelCount()) {
+            large.push_back(texel);
+            if (!with.variance.empty()) variance += count * count * with.variance[texel];
+        }
+        out.photons += light_.photons(texel);
+    }
+    const auto numberOf = [&](const TexelHit& hit) {
+        const bool own = std::find(large.begin(), large.end(), hit.texel) != large.end();
+        return hit.texel == SurfaceTexels::none || !own ? hit.texel : hit.texel + texelCount();
+    };
+    std::vector<TexelHit> hits;
+    gatherRays_.shoot(std::span(&receiver, 1), n, hits);
+    double pairs = 0;
+    double fine = 0;
+    double coarse = 0;
+    for (std::size_t k = 0; k + 1 < hits.size(); k += 2) {
+        pairs += with.pair(radiosity_, numberOf(hits[k]), numberOf(hits[k + 1]));
+        if (with.coarse.empty()) continue;
+        for (const TexelHit& hit : {hits[k], hits[k + 1]}) {
+            if (hit.texel == SurfaceTexels::none) continue;
+            fine += mean(light_.radiosity()[hit.texel]);
+            coarse += mean(with.coarse[texels_.texels()[hit.texel].parent]);
+        }
+    }
+    variance = (variance + std::max(0.0, pairs)) / (static_cast<double>(n) * n);
+    if (!with.batches.empty()) {
+        double sum = 0;
+        double squares = 0;
+        for (const Radiosities& batch : with.batches) {
+            const auto light = static_cast<double>(meanChannel(gathered(row, batch, n)));
+            sum += light;
+            squares += light * light;
+        }
+        variance += squaredError(sum, squares);
+    }
+    if (firstHits_) {
+        std::int64_t photons = 0;
+        const auto light =
+            static_cast<double>(meanChannel(firstHits_->broadIrradiance(own_[receiver], enoughFirstHits, &photons)));
+        if (photons > 0) variance += light * light / static_cast<double>(photons); // of about equal power: Poisson
+    }
+    out.standardError = static_cast<float>(std::sqrt(variance));
+    out.bias = static_cast<float>(std::abs(fine - coarse) / n);
+}
+
+} // namespace pie::gather
