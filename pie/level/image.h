@@ -17,7 +17,7 @@ class Vfs;
 /// 8-bit RGBA, first row at the top, no colour conversion.
 struct Image {
     int width = 0, height = 0;
-    bool hasAlpha = false; ///< some pixel is not opaque
+    bool hasAlpha = false;    ///< some pixel is not opaque
     BulkVector<Rgba8> pixels; ///< what resize() adds has no value yet
 
     /// Mean of the stored values, 0 to 1 per channel; alpha is the mean alpha. `colour` is weighted by nothing: the
