@@ -94,8 +94,10 @@ namespace {
 /// Tables of the seeds used last, so that short-lived Halton objects of one seed do not build them again and again.
 std::shared_ptr<const detail::HaltonTables> tablesOf(std::uint64_t seed) {
     constexpr std::size_t remembered = 4;
+    using Known = std::vector<std::pair<std::uint64_t, std::shared_ptr<const detail::HaltonTables>>>;
     static std::mutex mutex;
-    static std::vector<std::pair<std::uint64_t, std::shared_ptr<const detail::HaltonTables>>> known; // latest last
+    // Never taken down: a level may still be on its way to the light in another thread when the program ends.
+    static Known& known = *std::make_unique<Known>().release(); // latest last
     const std::lock_guard lock(mutex);
     const auto found = std::find_if(known.begin(), known.end(), [&](const auto& entry) { return entry.first == seed; });
     if (found != known.end()) {
