@@ -13,6 +13,7 @@
 #include <osgUtil/Optimizer>
 #include <osgViewer/Viewer>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -79,6 +80,10 @@ std::string optionString(const Arguments& arguments) {
     if (!arguments.game.empty()) add("game=" + arguments.game);
     if (arguments.stats) add("stats=true");
     return options;
+}
+
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// Frames without drawing until the light of what the last drawn frame showed stands still.
@@ -194,7 +199,10 @@ void render(const Arguments& arguments) {
         if (!started) fail(started.error().message());
         display.emplace(std::move(*started));
     }
+    const auto start = std::chrono::steady_clock::now();
     const osg::ref_ptr<osg::Node> scene = readLevel(arguments, options);
+    const double readMs = millisecondsSince(start);
+    double firstFrameMs = 0;
     if (arguments.optimize) osgUtil::Optimizer().optimize(scene);
 
     osg::ref_ptr<osg::GraphicsContext> context = makeContext(arguments, arguments.samples);
@@ -223,14 +231,16 @@ void render(const Arguments& arguments) {
             viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
             camera.setFinalDrawCallback(new Capture(image));
         }
+        const auto frame = std::chrono::steady_clock::now();
         viewer.frame();
+        if (i == 0) firstFrameMs = millisecondsSince(frame);
     }
     if (arguments.stats) {
         viewer.advance();
         viewer.updateTraversal(); // the plug-in writes its statistics in the update stage
         std::string statistics;
         if (!scene->getUserValue("pie.statistics", statistics)) fail("the reader of this level keeps no statistics");
-        fmt::print("{}\n", statistics);
+        fmt::print("{{\"read_ms\":{:.3f},\"first_frame_ms\":{:.3f},{}\n", readMs, firstFrameMs, statistics.substr(1));
     }
     writePicture(*image, arguments.output);
 }

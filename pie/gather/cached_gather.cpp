@@ -75,6 +75,7 @@ void CachedGather::add(std::span<const photons::Photon> photons) {
                         [](const photons::Photon& photon) { return photon.bounce == 0; });
     light_.add(direct_ ? std::span<const photons::Photon>(later) : photons);
     if (firstHits_) firstHits_->add(first);
+    survey();
     update();
 }
 
@@ -119,8 +120,7 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
         return rays_ - before + (direct_ ? direct_->raysTraced() - directBefore : 0) +
                (texelDirect_ ? texelDirect_->raysTraced() - texelBefore : 0);
     };
-    bool changed = survey();
-    changed = ownTexels(wanted, [&] { return spent() < rays; }) || changed;
+    bool changed = ownTexels(wanted, [&] { return spent() < rays; });
     std::vector<std::uint32_t> now;
     for (unsigned stage = OwnTexel; stage < lastStage() && spent() < rays; ++stage) {
         std::size_t next = 0;
@@ -148,14 +148,14 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
 }
 
 /// Before anything was asked for: direct light of some texels all over the scene, from which the others take theirs.
-bool CachedGather::survey() {
-    if (surveyed_) return false;
+void CachedGather::survey() {
+    if (surveyed_) return;
     surveyed_ = true;
     constexpr std::uint32_t most = 1024;
     std::vector<std::uint32_t> texels;
     const std::uint32_t step = std::max(1U, texelCount() / most);
     for (std::uint32_t t = 0; t < texelCount(); t += step) texels.push_back(t);
-    return light_.direct(texels) > 0;
+    light_.direct(texels);
 }
 
 /// The first guess. Texels in an order without pattern, so that a part of them already is a picture of the whole: the

@@ -93,7 +93,7 @@ private:
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
     [[nodiscard]] unsigned raysOfPoint() const;
     [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }
-    bool survey();
+    void survey();
     bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
     void makeRows(std::span<const std::uint32_t> which, unsigned n);
     void makeTexelRows(std::vector<std::uint32_t> texels);

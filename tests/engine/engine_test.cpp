@@ -95,7 +95,7 @@ TEST(Engine, AStillSceneIsTracedOncePerFrameOfThePoolAndThenCostsNothing) {
 
 TEST(Engine, WhatIsLookedAtIsRefinedWithinTheRaysOfAFrameThenNothingIsDone) {
     Settings settings = quickSettings();
-    settings.refineRays = 5000;
+    settings.refineRays = 500;
     Engine engine(makeRoomLevel(), settings);
     const auto which = all(engine);
     const std::vector<std::uint32_t> seen(which.begin(), which.begin() + 20);
@@ -109,7 +109,7 @@ TEST(Engine, WhatIsLookedAtIsRefinedWithinTheRaysOfAFrameThenNothingIsDone) {
         const Statistics now = engine.statistics();
         // A step may overshoot by one batch of receivers: here all of them at once, at most 256 rays each and their
         // texels' own.
-        EXPECT_LT(now.gatherRays - rays, 5000U + 20U * 256U + 200'000U);
+        EXPECT_LT(now.gatherRays - rays, 500U + 20U * 256U + 200'000U);
         rays = now.gatherRays;
         engine.irradiance(seen, light);
     }
