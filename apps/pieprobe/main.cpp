@@ -32,7 +32,7 @@ using pieprobe::Placed;
 using pieprobe::Points;
 using pieprobe::Status;
 
-enum Exit : int { done = 0, failed = 1, misused = 2, incomplete = 3 };
+enum Exit : int { Done = 0, Failed = 1, Misused = 2, Incomplete = 3 };
 
 struct Arguments {
     std::string scene, points, out;
@@ -120,7 +120,7 @@ struct Lit {
 
 struct Stop {
     std::string message;
-    Exit status = failed;
+    Exit status = Failed;
 };
 
 void say(const std::string& line) { fmt::print(stderr, "pieprobe: {}\n", line); }
@@ -133,16 +133,16 @@ template <class T> T valueOr(pie::Result<T> result, Exit status) {
 pie::engine::Settings settingsOf(const Arguments& a) {
     pie::engine::Settings settings;
     constexpr auto source = pie::engine::Source::CommandLine;
-    for (const std::string& pair : a.settings) valueOr(settings.setPair(pair, source), misused);
-    if (a.seed) valueOr(settings.set("seed", std::to_string(*a.seed), source), misused);
-    if (a.threads) valueOr(settings.set("threads", std::to_string(*a.threads), source), misused);
+    for (const std::string& pair : a.settings) valueOr(settings.setPair(pair, source), Misused);
+    if (a.seed) valueOr(settings.set("seed", std::to_string(*a.seed), source), Misused);
+    if (a.threads) valueOr(settings.set("threads", std::to_string(*a.threads), source), Misused);
     // Frames that the map forgets again would be traced in vain.
     if (a.frames && settings.origin("accumulation_frames") == pie::engine::Source::Default)
-        valueOr(settings.set("accumulation_frames", std::to_string(*a.frames), source), misused);
+        valueOr(settings.set("accumulation_frames", std::to_string(*a.frames), source), Misused);
     if (a.frames && settings.origin("still_frames") == pie::engine::Source::Default)
-        valueOr(settings.set("still_frames", std::to_string(*a.frames), source), misused);
+        valueOr(settings.set("still_frames", std::to_string(*a.frames), source), Misused);
     // Below a command line, whoever sets it there.
-    valueOr(settings.set("standard_errors", "true", pie::engine::Source::Level), misused);
+    valueOr(settings.set("standard_errors", "true", pie::engine::Source::Level), Misused);
     return settings;
 }
 
@@ -151,18 +151,18 @@ Lit readScene(const Arguments& a, const pie::engine::Settings& settings) {
     std::string extension = fs::path(a.scene).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (extension == ".obj") {
-        auto obj = valueOr(pieprobe::readObj(a.scene, {settings.maxReflectance, a.twoSided}), failed);
+        auto obj = valueOr(pieprobe::readObj(a.scene, {settings.maxReflectance, a.twoSided}), Failed);
         if (!a.quiet)
             for (const std::string& warning : obj.warnings) say(a.scene + ": " + warning);
         lit.scene = std::make_shared<const pie::scene::Scene>(std::move(obj.scene));
         return lit;
     }
-    if (a.twoSided) throw Stop{"--two-sided is for .obj files: a level's shaders say which surfaces are", misused};
+    if (a.twoSided) throw Stop{"--two-sided is for .obj files: a level's shaders say which surfaces are", Misused};
     const std::vector<fs::path> folders(settings.textures.begin(), settings.textures.end());
-    auto location = valueOr(pie::level::locate(a.scene, settings.game, folders), failed);
+    auto location = valueOr(pie::level::locate(a.scene, settings.game, folders), Failed);
     pie::level::LoadOptions options;
     options.patchTolerance = settings.patchTolerance;
-    auto level = valueOr(pie::brushes::loadLevel(std::move(location), options), failed);
+    auto level = valueOr(pie::brushes::loadLevel(std::move(location), options), Failed);
     lit.scene =
         std::make_shared<const pie::scene::Scene>(pie::scene::makeScene(level, pie::engine::sceneOptions(settings)));
     lit.tree = std::move(level.tree);
@@ -224,6 +224,7 @@ std::vector<Answer> byReference(const Arguments& a, const pie::engine::Settings&
     if (shown) fmt::print(stderr, "\n");
     watch.stage("trace");
     std::vector<Answer> answers;
+    answers.reserve(values.size());
     for (const pie::reference::Value& v : values)
         answers.push_back({v.reached ? Status::Ok : Status::TargetNotReached,
                            true,
@@ -240,12 +241,12 @@ Exit probe(const Arguments& a) {
     const pie::engine::Settings settings = settingsOf(a);
     pie::setThreads(static_cast<unsigned>(settings.threads));
     std::vector<pie::lights::Light> added;
-    for (const std::string& text : a.lights) added.push_back(valueOr(pieprobe::parseLight(text), misused));
-    const Points points = valueOr(pieprobe::readPoints(a.points), failed);
+    for (const std::string& text : a.lights) added.push_back(valueOr(pieprobe::parseLight(text), Misused));
+    const Points points = valueOr(pieprobe::readPoints(a.points), Failed);
     for (const std::string& column : points.ignored)
         if (!a.quiet) say(fmt::format("{}: column \"{}\" is not used", a.points, column));
     pieprobe::OutFile out;
-    if (const auto problem = out.open(a.out)) throw Stop{problem->message(), failed};
+    if (const auto problem = out.open(a.out)) throw Stop{problem->message(), Failed};
     Lit lit = readScene(a, settings);
     for (pie::lights::Light& light : added) {
         if (std::holds_alternative<pie::lights::SunLight>(light) && !lit.scene->has(pie::scene::Interaction::Sky))
@@ -283,14 +284,14 @@ Exit probe(const Arguments& a) {
                             found[i].photons));
     }
     if (const auto problem = out.write(pieprobe::outText(points.points, answers)))
-        throw Stop{problem->message(), failed};
+        throw Stop{problem->message(), Failed};
     watch.stage("write");
     if (a.time)
         fmt::print("{{\"points\":{},\"threads\":{},\"milliseconds\":{}{}}}\n", answers.size(), pie::threads(),
                    watch.json(), statistics.empty() ? "" : ",\"engine\":" + statistics);
     const auto all = static_cast<std::size_t>(std::count_if(
         answers.begin(), answers.end(), [](const Answer& answer) { return answer.status == Status::Ok; }));
-    return all == answers.size() ? done : incomplete;
+    return all == answers.size() ? Done : Incomplete;
 }
 
 } // namespace
@@ -306,7 +307,7 @@ int main(int argc, char** argv) {
             return app.exit(asked);
         } catch (const CLI::ParseError& error) {
             say(fmt::format("{} (see --help)", error.what()));
-            return misused;
+            return Misused;
         }
         return probe(arguments);
     } catch (const Stop& stop) {
@@ -314,6 +315,6 @@ int main(int argc, char** argv) {
         return stop.status;
     } catch (const std::exception& problem) {
         say(problem.what());
-        return failed;
+        return Failed;
     }
 }

@@ -72,7 +72,7 @@ public:
         for (const std::uint32_t t : near) {
             const double distance = glm::length(nearest(t, p) - p);
             if (distance > tolerance_) continue;
-            const double cosine = double{glm::dot(scene_.normals[t], normal)};
+            const auto cosine = static_cast<double>(glm::dot(scene_.normals[t], normal));
             const double facing = scene_.material(t).twoSided ? std::abs(cosine) : cosine;
             turned = any ? std::max(turned, facing) : facing;
             any = true;
@@ -136,7 +136,9 @@ private:
     /// `foot`, or a point beside it away from the border of its surface.
     [[nodiscard]] dvec3 inward(const dvec3& foot, const dvec3& up, const std::vector<std::uint32_t>& surface) const {
         const pie::Frame frame{Vec3(up)};
-        for (double r = inset_; r > inset_ / 100; r *= 0.5) {
+        constexpr int halvings = 7; // to less than a hundredth
+        double r = inset_;
+        for (int halving = 0; halving < halvings; ++halving, r *= 0.5) {
             dvec3 sum(0.0);
             int found = 0;
             for (int i = 0; i < probes; ++i) {

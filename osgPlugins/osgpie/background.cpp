@@ -44,7 +44,7 @@ private:
 
 Background::Background(std::function<void(const std::stop_token&)> job) {
     const std::stop_source ends; // of the program
-    const Running::Place place = Running::instance().add(ends);
+    const auto place = Running::instance().add(ends);
     thread_ = std::jthread([job = std::move(job), ends, place](const std::stop_token& dropped) {
         const std::stop_callback forward(dropped, [ends]() mutable { ends.request_stop(); });
         job(ends.get_token());
