@@ -25,6 +25,7 @@ void AdvanceCallback::announce() {
 }
 
 void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
+    if (!node) return;
     const osg::FrameStamp* stamp = visitor ? visitor->getFrameStamp() : nullptr;
     const unsigned frame = stamp ? stamp->getFrameNumber() : lastFrame_ + 1;
     if (!started_ || frame != lastFrame_) {

@@ -164,8 +164,8 @@ World makeWorld(const std::shared_ptr<pie::engine::Engine>& engine, StateSets& s
 }
 
 RefinedWorld::RefinedWorld(std::shared_ptr<pie::engine::Engine> engine, std::unique_ptr<StateSets> states,
-                           osg::ref_ptr<osg::Group> place)
-    : engine_(std::move(engine)), states_(std::move(states)), place_(std::move(place)),
+                           const osg::ref_ptr<osg::Group>& place)
+    : engine_(std::move(engine)), states_(std::move(states)), place_(place),
       job_([this](const std::stop_token& stop) { work(stop); }) {}
 
 void RefinedWorld::work(const std::stop_token& stop) {

@@ -33,7 +33,7 @@ class RefinedWorld {
 public:
     /// `place` holds the world that is shown until then.
     RefinedWorld(std::shared_ptr<pie::engine::Engine> engine, std::unique_ptr<StateSets> states,
-                 osg::ref_ptr<osg::Group> place);
+                 const osg::ref_ptr<osg::Group>& place);
     void wait() { job_.wait(); }
     /// Waits, and puts the refined world in its place.
     void show();
