@@ -96,7 +96,8 @@ std::size_t TexelLight::direct(std::span<const std::uint32_t> texels) {
 Rgb TexelLight::irradiance(const Sum& sum, const SurfaceTexels::Texel& texel, double scale) const {
     const double factor = scale * unit_ / (static_cast<double>(texel.area) * static_cast<double>(texel.coverage));
     // The compiler's negative lights may outweigh the others.
-    return Rgb(glm::max(factor * glm::dvec3(sum[0], sum[1], sum[2]), 0.0));
+    const glm::dvec3 light = factor * glm::dvec3(sum[0], sum[1], sum[2]);
+    return {glm::max(light, 0.0)};
 }
 
 void TexelLight::update() {

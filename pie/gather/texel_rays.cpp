@@ -2,6 +2,7 @@
 
 #include "pie/sampling/directions.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -51,11 +52,11 @@ std::size_t TexelRays::count(std::uint32_t receiver, unsigned n) const {
 }
 
 void TexelRays::shoot(std::span<const std::uint32_t> which, unsigned n, std::vector<TexelHit>& hits) const {
-    const unsigned strata = n / 2;
+    const unsigned strata = std::max(1U, n / 2);
     // Strata on Morton's curve: consecutive rays stay close, which is what packets want.
     const auto bits = static_cast<unsigned>(std::bit_width(strata) - 1);
-    const float columns = static_cast<float>(1U << ((bits + 1) / 2));
-    const float rows = static_cast<float>(1U << (bits / 2));
+    const auto columns = static_cast<float>(1U << ((bits + 1) / 2));
+    const auto rows = static_cast<float>(1U << (bits / 2));
     std::vector<Ray> rays;
     for (const std::uint32_t number : which) {
         const scene::Receiver& receiver = receivers_.points[number];

@@ -210,7 +210,9 @@ void placePoints(const scene::Scene& scene, std::span<const Piece* const> pieces
     for (unsigned k = 0; k < count; ++k) {
         // Two independent points in every half, quarter … of the area: their difference tells the error of the mean.
         const unsigned strata = (count + 1) / 2;
-        const double target = (k / 2 + static_cast<double>(hashed(key, 3U * k))) / strata * total;
+        const unsigned stratum = k / 2;
+        const std::uint64_t address = std::uint64_t{3} * k;
+        const double target = (stratum + static_cast<double>(hashed(key, address))) / strata * total;
         if (k % 2 == 0) {
             first = at;
             beforeFirst = before;
@@ -221,7 +223,7 @@ void placePoints(const scene::Scene& scene, std::span<const Piece* const> pieces
         while (at + 1 < pieces.size() && before + static_cast<double>(pieces[at]->area) <= target)
             before += static_cast<double>(pieces[at++]->area);
         const Piece& piece = *pieces[at];
-        const Vec2 w = sampling::uniformTriangle({hashed(key, 3U * k + 1), hashed(key, 3U * k + 2)});
+        const Vec2 w = sampling::uniformTriangle({hashed(key, address + 1), hashed(key, address + 2)});
         scene::Receiver& receiver = out[k];
         receiver.position = piece.corner + w.x * piece.side1 + w.y * piece.side2;
         receiver.inset = receiver.position;
