@@ -19,7 +19,6 @@ namespace pie::test {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 constexpr double pi = std::numbers::pi;
 
 using Row = std::map<std::string, std::string>;
@@ -48,15 +47,15 @@ std::vector<Row> rowsOf(const std::string& csv) {
 /// A black floor of 1,000 units under a sky at height 600.
 class Pieprobe : public ::testing::Test {
 protected:
-    TemporaryFolder folder;
-    std::string scene = folder.write("floor.obj", "mtllib floor.mtl\n"
-                                                  "v -500 -500 0\nv 500 -500 0\nv 500 500 0\nv -500 500 0\n"
-                                                  "v -900 -900 600\nv 900 -900 600\nv 900 900 600\nv -900 900 600\n"
-                                                  "usemtl black\nf 1 2 3 4\nusemtl sky_blue\nf 5 8 7 6\n");
-    std::string points = folder.write("points.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n60,80,0,0,0,1\n");
-    std::string out = (folder.path() / "out.csv").string();
+    TemporaryFolder folder_;
+    std::string scene_ = folder_.write("floor.obj", "mtllib floor.mtl\n"
+                                                    "v -500 -500 0\nv 500 -500 0\nv 500 500 0\nv -500 500 0\n"
+                                                    "v -900 -900 600\nv 900 -900 600\nv 900 900 600\nv -900 900 600\n"
+                                                    "usemtl black\nf 1 2 3 4\nusemtl sky_blue\nf 5 8 7 6\n");
+    std::string points_ = folder_.write("points.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n60,80,0,0,0,1\n");
+    std::string out_ = (folder_.path() / "out.csv").string();
 
-    Pieprobe() { (void)folder.write("floor.mtl", "newmtl black\nKd 0 0 0\nnewmtl sky_blue\nKd 0 0 0\n"); }
+    Pieprobe() { (void)folder_.write("floor.mtl", "newmtl black\nKd 0 0 0\nnewmtl sky_blue\nKd 0 0 0\n"); }
 
     [[nodiscard]] CommandResult probe(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), PIEPROBE);
@@ -64,12 +63,12 @@ protected:
     }
     /// Irradiance, second channel, of the points; checks that all went well.
     [[nodiscard]] std::vector<double> light(const std::vector<std::string>& options) const {
-        std::vector<std::string> arguments{scene, points, out};
+        std::vector<std::string> arguments{scene_, points_, out_};
         arguments.insert(arguments.end(), options.begin(), options.end());
         const CommandResult result = probe(arguments);
         EXPECT_EQ(result.status, 0) << result.err;
         std::vector<double> e;
-        for (const Row& row : rowsOf(readText(out))) {
+        for (const Row& row : rowsOf(readText(out_))) {
             EXPECT_EQ(row.at("status"), "ok");
             e.push_back(std::stod(row.at("Eg")));
         }
@@ -133,21 +132,21 @@ TEST_F(Pieprobe, OneLineForALightThatIsNone) {
         {"area 0 0 0 1 0 0 1 1 0 0 1 1 1 1 1", "not in a plane"},
         {"area 0 0 0 9 0 0 9 9 0 8 1 0 1 1 1", "go inwards"}};
     for (const auto& [light, reason] : wrong) {
-        const CommandResult result = probe({scene, points, out, "--light", light});
+        const CommandResult result = probe({scene_, points_, out_, "--light", light});
         EXPECT_EQ(result.status, 2) << light;
         EXPECT_THAT(result.err, HasSubstr(reason)) << light;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-        EXPECT_FALSE(std::filesystem::exists(out));
+        EXPECT_FALSE(std::filesystem::exists(out_));
     }
 }
 
 TEST_F(Pieprobe, ColumnsInAnyOrderAreRepeatedAsTheyWere) {
-    points = folder.write("points.csv", "\xef\xbb\xbfnz, nx ,name,y,x,ny,z\r\n1.0,0,lamp,8e1,+60.50,0,0\r\n\r\n");
-    const CommandResult result = probe({scene, points, out, "--light", "point 0 0 100 1 1 1", "--frames", "1"});
+    points_ = folder_.write("points.csv", "\xef\xbb\xbfnz, nx ,name,y,x,ny,z\r\n1.0,0,lamp,8e1,+60.50,0,0\r\n\r\n");
+    const CommandResult result = probe({scene_, points_, out_, "--light", "point 0 0 100 1 1 1", "--frames", "1"});
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_THAT(result.err, HasSubstr("\"name\" is not used"));
-    EXPECT_THAT(readText(out), ::testing::StartsWith("x,y,z,nx,ny,nz,Er,Eg,Eb,stderr,photons,radius,bias,status\n"
-                                                     "+60.50,8e1,0,0,0,1.0,"));
+    EXPECT_THAT(readText(out_), ::testing::StartsWith("x,y,z,nx,ny,nz,Er,Eg,Eb,stderr,photons,radius,bias,status\n"
+                                                      "+60.50,8e1,0,0,0,1.0,"));
 }
 
 TEST_F(Pieprobe, DamagedPointsNameLineAndColumn) {
@@ -160,45 +159,45 @@ TEST_F(Pieprobe, DamagedPointsNameLineAndColumn) {
         {"x,y,z,nx,ny,nz\n0,0,0,0,,1\n", "line 2, column 5 (ny): \"\" is not a number"},
         {"x,y,z,nx,ny,nz\n0,0,0,0,0\n", "line 2: has 5 columns, the header 6"}};
     for (const auto& [text, reason] : wrong) {
-        points = folder.write("points.csv", text);
-        const CommandResult result = probe({scene, points, out, "--light", "point 0 0 100 1 1 1"});
+        points_ = folder_.write("points.csv", text);
+        const CommandResult result = probe({scene_, points_, out_, "--light", "point 0 0 100 1 1 1"});
         EXPECT_EQ(result.status, 1) << reason;
         EXPECT_THAT(result.err, HasSubstr(reason));
-        EXPECT_FALSE(std::filesystem::exists(out));
+        EXPECT_FALSE(std::filesystem::exists(out_));
     }
-    EXPECT_EQ(probe({scene, "nowhere.csv", out}).status, 1);
+    EXPECT_EQ(probe({scene_, "nowhere.csv", out_}).status, 1);
 }
 
 TEST_F(Pieprobe, PointsThatFitNoSurfaceAreReportedAndTheRestIsDone) {
-    points = folder.write("points.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,9,0,0,1\n0,0,0,0,0,-1\n0,0,0,0,0,0\n"
-                                        "nan,0,0,0,0,1\n1e99,0,0,0,0,1\n0,0,600,0,0,-1\n0,0,0.5,0,0,7\n");
-    const CommandResult result = probe({scene, points, out, "--light", "point 0 0 100 1 1 1", "--frames", "1"});
+    points_ = folder_.write("points.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,9,0,0,1\n0,0,0,0,0,-1\n0,0,0,0,0,0\n"
+                                          "nan,0,0,0,0,1\n1e99,0,0,0,0,1\n0,0,600,0,0,-1\n0,0,0.5,0,0,7\n");
+    const CommandResult result = probe({scene_, points_, out_, "--light", "point 0 0 100 1 1 1", "--frames", "1"});
     EXPECT_EQ(result.status, 3);
     for (const char* line :
          {"line 3: no surface within", "line 4: no surface there faces", "line 5: the normal is zero",
           "line 6: is not finite", "line 7: is not finite", "line 8: no surface within"})
         EXPECT_THAT(result.err, HasSubstr(line));
     std::vector<std::string> status;
-    for (const Row& row : rowsOf(readText(out))) {
+    for (const Row& row : rowsOf(readText(out_))) {
         status.push_back(row.at("status"));
         EXPECT_EQ(row.at("Er").empty(), row.at("status") != "ok");
     }
     EXPECT_THAT(status, ::testing::ElementsAre("ok", "off_surface", "bad_normal", "bad_normal", "not_finite",
                                                "not_finite", "off_surface", "ok"));
-    points = folder.write("points.csv", "x,y,z,nx,ny,nz\n0,0,9,0,0,1\n");
-    EXPECT_EQ(probe({scene, points, out, "--light", "point 0 0 100 1 1 1", "--tolerance", "10"}).status, 0);
+    points_ = folder_.write("points.csv", "x,y,z,nx,ny,nz\n0,0,9,0,0,1\n");
+    EXPECT_EQ(probe({scene_, points_, out_, "--light", "point 0 0 100 1 1 1", "--tolerance", "10"}).status, 0);
 }
 
 TEST_F(Pieprobe, WhatCannotBeWrittenLosesNothing) {
     const std::string light = "point 0 0 100 1 1 1";
-    EXPECT_EQ(probe({scene, points, (folder.path() / "no" / "out.csv").string(), "--light", light}).status, 1);
-    EXPECT_EQ(probe({scene, points, folder.path().string(), "--light", light}).status, 1);
-    out = folder.write("out.csv", "precious");
-    EXPECT_EQ(probe({"nowhere.obj", points, out, "--light", light}).status, 1);
-    EXPECT_EQ(readText(out), "precious");
-    EXPECT_EQ(probe({scene, points, out, "--light", light, "--frames", "1"}).status, 0);
-    EXPECT_THAT(readText(out), HasSubstr("Er"));
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_EQ(probe({scene_, points_, (folder_.path() / "no" / "out.csv").string(), "--light", light}).status, 1);
+    EXPECT_EQ(probe({scene_, points_, folder_.path().string(), "--light", light}).status, 1);
+    out_ = folder_.write("out.csv", "precious");
+    EXPECT_EQ(probe({"nowhere.obj", points_, out_, "--light", light}).status, 1);
+    EXPECT_EQ(readText(out_), "precious");
+    EXPECT_EQ(probe({scene_, points_, out_, "--light", light, "--frames", "1"}).status, 0);
+    EXPECT_THAT(readText(out_), HasSubstr("Er"));
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
         EXPECT_NE(entry.path().extension(), ".part");
 }
 
@@ -207,20 +206,20 @@ TEST_F(Pieprobe, DamagedScenesAreOneLine) {
                                                                  {"v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex"},
                                                                  {"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ""}};
     for (const auto& [text, reason] : wrong) {
-        const CommandResult result = probe({folder.write("bad.obj", text), points, out, "--quiet"});
+        const CommandResult result = probe({folder_.write("bad.obj", text), points_, out_, "--quiet"});
         EXPECT_NE(result.status, 0) << text;
         EXPECT_LT(result.status, 4) << result.err;
         EXPECT_THAT(result.err, HasSubstr(reason));
     }
-    EXPECT_EQ(probe({"nowhere.obj", points, out}).status, 1);
-    EXPECT_EQ(probe({"nowhere.bsp", points, out}).status, 1);
+    EXPECT_EQ(probe({"nowhere.obj", points_, out_}).status, 1);
+    EXPECT_EQ(probe({"nowhere.bsp", points_, out_}).status, 1);
 }
 
 TEST_F(Pieprobe, WrongArgumentsAreStatus2) {
-    EXPECT_EQ(probe({scene, points}).status, 2);
-    EXPECT_EQ(probe({scene, points, out, "--frames", "0"}).status, 2);
-    EXPECT_EQ(probe({scene, points, out, "--target", "2", "--reference"}).status, 2);
-    const CommandResult setting = probe({scene, points, out, "--set", "photons_from_lihgt=3"});
+    EXPECT_EQ(probe({scene_, points_}).status, 2);
+    EXPECT_EQ(probe({scene_, points_, out_, "--frames", "0"}).status, 2);
+    EXPECT_EQ(probe({scene_, points_, out_, "--target", "2", "--reference"}).status, 2);
+    const CommandResult setting = probe({scene_, points_, out_, "--set", "photons_from_lihgt=3"});
     EXPECT_EQ(setting.status, 2);
     EXPECT_THAT(setting.err, HasSubstr("photons_from_light"));
     EXPECT_EQ(probe({"--help"}).status, 0);
@@ -229,7 +228,7 @@ TEST_F(Pieprobe, WrongArgumentsAreStatus2) {
 
 TEST_F(Pieprobe, TimeIsJson) {
     const CommandResult result =
-        probe({scene, points, out, "--light", "point 0 0 100 1 1 1", "--frames", "2", "--time", "--threads", "1"});
+        probe({scene_, points_, out_, "--light", "point 0 0 100 1 1 1", "--frames", "2", "--time", "--threads", "1"});
     ASSERT_EQ(result.status, 0) << result.err;
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("points"), 2);
@@ -242,22 +241,22 @@ TEST_F(Pieprobe, TimeIsJson) {
 }
 
 TEST_F(Pieprobe, SaysWhereTheTargetWasNotReached) {
-    const CommandResult result = probe({scene, points, out, "--light", "sphere 0 0 10 8 1 1 1", "--reference",
+    const CommandResult result = probe({scene_, points_, out_, "--light", "sphere 0 0 10 8 1 1 1", "--reference",
                                         "--target", "0.000001", "--most-paths", "4096"});
     EXPECT_EQ(result.status, 3);
     EXPECT_THAT(result.err, HasSubstr("after 4096 paths"));
-    EXPECT_EQ(rowsOf(readText(out))[0].at("status"), "target_not_reached");
-    EXPECT_FALSE(rowsOf(readText(out))[0].at("Er").empty());
+    EXPECT_EQ(rowsOf(readText(out_))[0].at("status"), "target_not_reached");
+    EXPECT_FALSE(rowsOf(readText(out_))[0].at("Er").empty());
 }
 
 TEST_F(Pieprobe, ThreadsChangeNothingSeedsDo) {
-    scene = writeCornell(folder.path()).string();
-    points = folder.write("points.csv", pointsCsv(cornellPoints(20)));
+    scene_ = writeCornell(folder_.path()).string();
+    points_ = folder_.write("points.csv", pointsCsv(cornellPoints(20)));
     const auto text = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> arguments{scene, points, out, "--light", cornellLight, "--frames", "2"};
+        std::vector<std::string> arguments{scene_, points_, out_, "--light", cornellLight, "--frames", "2"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         EXPECT_EQ(probe(arguments).status, 0);
-        return readText(out);
+        return readText(out_);
     };
     for (const std::vector<std::string>& way :
          {std::vector<std::string>{}, std::vector<std::string>{"--reference", "--target", "0.05"}}) {
@@ -274,19 +273,19 @@ TEST_F(Pieprobe, ThreadsChangeNothingSeedsDo) {
 }
 
 TEST_F(Pieprobe, EdgesOfTheCornellBoxAreOnTheirWalls) {
-    scene = writeCornell(folder.path()).string();
-    points = folder.write("points.csv", pointsCsv(cornellEdgeVertices()));
-    const CommandResult result = probe(
-        {scene, points, out, "--light", cornellLight, "--reference", "--target", "0.2", "--set", "recursion_depth=0"});
+    scene_ = writeCornell(folder_.path()).string();
+    points_ = folder_.write("points.csv", pointsCsv(cornellEdgeVertices()));
+    const CommandResult result = probe({scene_, points_, out_, "--light", cornellLight, "--reference", "--target",
+                                        "0.2", "--set", "recursion_depth=0"});
     EXPECT_EQ(result.status, 0) << result.err;
     // Direct light alone, of a lamp in full view of most: the formula.
     const auto vertices = cornellEdgeVertices();
-    const auto rows = rowsOf(readText(out));
+    const auto rows = rowsOf(readText(out_));
     int seen = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const double e = std::stod(rows[i].at("Er"));
         const Vec3 to = cornellLightPosition - vertices[i].inset;
-        const double d = double{glm::length(to)};
+        const auto d = static_cast<double>(glm::length(to));
         const double exact = double{cornellWatts} * double{glm::dot(to, vertices[i].normal)} / (4 * pi * d * d * d);
         if (e > 0) {
             ++seen;
@@ -297,9 +296,9 @@ TEST_F(Pieprobe, EdgesOfTheCornellBoxAreOnTheirWalls) {
 }
 
 TEST_F(Pieprobe, LevelsWithTheirLightsAndWithout) {
-    writeGame(folder, "room", makeRoom());
-    scene = (folder.path() / "maps" / "room.bsp").string();
-    points = folder.write("points.csv", "x,y,z,nx,ny,nz\n0,0,-256,0,0,1\n");
+    writeGame(folder_, "room", makeRoom());
+    scene_ = (folder_.path() / "maps" / "room.bsp").string();
+    points_ = folder_.write("points.csv", "x,y,z,nx,ny,nz\n0,0,-256,0,0,1\n");
     const double own = 7500.0 * 300 / (384.0 * 384.0);
     EXPECT_NEAR(light({"--frames", "1", "--set", "recursion_depth=0"})[0], own, 0.005 * own);
     EXPECT_EQ(light({"--frames", "1", "--no-level-lights"})[0], 0.0);
@@ -308,7 +307,7 @@ TEST_F(Pieprobe, LevelsWithTheirLightsAndWithout) {
                 added, 0.005 * added);
     EXPECT_NEAR(light({"--set", "recursion_depth=0", "--light", "point 0 0 0 1e6 1e6 1e6"})[0], own + added,
                 0.005 * (own + added));
-    EXPECT_EQ(probe({scene, points, out, "--two-sided"}).status, 2);
+    EXPECT_EQ(probe({scene_, points_, out_, "--two-sided"}).status, 2);
 }
 
 } // namespace
