@@ -9,6 +9,10 @@ target_compile_options(pie_flags INTERFACE -ffp-contract=off -fno-math-errno)
 add_library(pie_warnings INTERFACE)
 target_compile_options(pie_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
                                               -Wold-style-cast $<$<BOOL:${PIE_WERROR}>:-Werror>)
+if(CMAKE_UNITY_BUILD)
+    # Sources compiled together see each other's names; builds one by one have these warnings.
+    target_compile_options(pie_warnings INTERFACE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 if(PIE_SANITIZE)
     target_compile_options(pie_warnings INTERFACE -fsanitize=${PIE_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(pie_flags INTERFACE -fsanitize=${PIE_SANITIZE})

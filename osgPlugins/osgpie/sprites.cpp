@@ -1,5 +1,7 @@
 #include "osgPlugins/osgpie/sprites.h"
 
+#include "osgPlugins/osgpie/to_osg.h"
+
 #include <osg/Geode>
 #include <osg/Geometry>
 
@@ -24,8 +26,6 @@ struct Arrays {
     osg::ref_ptr<osg::Vec3Array> axes = new osg::Vec3Array(osg::Array::BIND_PER_VERTEX);
     osg::ref_ptr<osg::DrawElementsUInt> indices = new osg::DrawElementsUInt(GL_TRIANGLES);
 };
-
-osg::Vec3 toOsg(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 using Quad = std::array<pie::level::Vertex, 4>;
 

@@ -2,6 +2,7 @@
 
 #include "osgPlugins/osgpie/callbacks.h"
 #include "osgPlugins/osgpie/sprites.h"
+#include "osgPlugins/osgpie/to_osg.h"
 #include "pie/scene/cells.h"
 
 #include <osg/Geode>
@@ -12,9 +13,6 @@
 
 namespace osgpie {
 namespace {
-
-osg::Vec3 toOsg(const pie::Vec3& v) { return {v.x, v.y, v.z}; }
-osg::Vec2 toOsg(const pie::Vec2& v) { return {v.x, v.y}; }
 
 /// Makes the drawables of one mesh.
 class Builder {

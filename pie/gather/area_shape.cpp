@@ -1,5 +1,7 @@
 #include "pie/gather/area_shape.h"
 
+#include "pie/gather/numbers.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -11,8 +13,6 @@ namespace pie::gather {
 namespace {
 
 using glm::dvec2;
-
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Gauss-Legendre, 8 points on [0, 1].
 struct Node {

@@ -11,13 +11,11 @@
 namespace pie::gather {
 namespace {
 
-constexpr std::size_t grain = 32;   // receivers a thread takes at once
-constexpr std::size_t batch = 1024; // receivers refined between two looks at the budget
+constexpr std::size_t receiversPerTask = 32; // receivers a thread takes at once
+constexpr std::size_t batch = 1024;          // receivers refined between two looks at the budget
 constexpr std::uint64_t expectedDirectRays = 64;
 constexpr std::uint32_t enoughPhotons = 8; // for a first guess
-constexpr unsigned countBits = 10;
-constexpr std::uint32_t mostRays = 1U << countBits; // one entry holds
-constexpr unsigned largeShare = 32;                 // a texel that more than one ray in so many meets gathers itself
+constexpr unsigned largeShare = 32;        // a texel that more than one ray in so many meets gathers itself
 
 /// Direct light of texels needs less care than that of receivers: hundreds of texels are averaged.
 DirectOptions texelDirectOptions(std::uint64_t seed) {
@@ -128,7 +126,8 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
             now.clear();
             // As many as the rays that are left are about enough for.
             const std::uint64_t each = stage > OwnTexel ? raysAt(stage + 1) : expectedDirectRays;
-            const std::uint64_t most = std::clamp<std::uint64_t>((rays - std::min(rays, spent())) / each, grain, batch);
+            const std::uint64_t most =
+                std::clamp<std::uint64_t>((rays - std::min(rays, spent())) / each, receiversPerTask, batch);
             for (; next < wanted.size() && now.size() < most; ++next)
                 if (stage_[wanted[next]] == stage) now.push_back(wanted[next]);
             if (now.empty()) break;
@@ -206,7 +205,7 @@ CachedGather::Row CachedGather::makeRow(std::vector<std::uint32_t>& met, std::ui
 }
 
 void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
-    parallelChunks(which.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(which.size(), receiversPerTask, [&](std::size_t begin, std::size_t end) {
         std::vector<TexelHit> hits;
         gatherRays_.shoot(which.subspan(begin, end - begin), n, hits);
         std::vector<std::uint32_t> met;
@@ -241,24 +240,26 @@ void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
     texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
     const unsigned points = texels_.pointsPerTexel();
     const unsigned n = raysOfPoint();
-    parallelChunks(texels.size(), std::max<std::size_t>(1, grain / points), [&](std::size_t begin, std::size_t end) {
-        std::vector<TexelHit> hits;
-        std::vector<std::uint32_t> which(points);
-        std::vector<std::uint32_t> met;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t t = texels[i];
-            for (unsigned k = 0; k < points; ++k) which[k] = t * points + k;
-            hits.clear();
-            texelGatherRays_.shoot(which, n, hits);
-            met.clear();
-            for (const TexelHit& hit : hits)
-                if (hit.texel != SurfaceTexels::none) met.push_back(hit.texel);
-            texelRows_[t] = makeRow(met, std::numeric_limits<std::uint32_t>::max());
-            if (texelPairs_.empty()) continue;
-            for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
-                if (hits[k].texel != hits[k + 1].texel) texelPairs_[t].push_back({hits[k].texel, hits[k + 1].texel});
-        }
-    });
+    parallelChunks(texels.size(), std::max<std::size_t>(1, receiversPerTask / points),
+                   [&](std::size_t begin, std::size_t end) {
+                       std::vector<TexelHit> hits;
+                       std::vector<std::uint32_t> which(points);
+                       std::vector<std::uint32_t> met;
+                       for (std::size_t i = begin; i < end; ++i) {
+                           const std::uint32_t t = texels[i];
+                           for (unsigned k = 0; k < points; ++k) which[k] = t * points + k;
+                           hits.clear();
+                           texelGatherRays_.shoot(which, n, hits);
+                           met.clear();
+                           for (const TexelHit& hit : hits)
+                               if (hit.texel != SurfaceTexels::none) met.push_back(hit.texel);
+                           texelRows_[t] = makeRow(met, std::numeric_limits<std::uint32_t>::max());
+                           if (texelPairs_.empty()) continue;
+                           for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
+                               if (hits[k].texel != hits[k + 1].texel)
+                                   texelPairs_[t].push_back({hits[k].texel, hits[k + 1].texel});
+                       }
+                   });
     rays_ += std::uint64_t{texels.size()} * points * n;
     std::vector<std::uint32_t> seen = texels;
     for (const std::uint32_t t : texels)

@@ -2,6 +2,7 @@
 
 #include "pie/core/parallel.h"
 #include "pie/gather/direct_job.h"
+#include "pie/gather/numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,7 @@ using intersect::Ray;
 
 /// Points nearer to a lamp's plane, in ray offsets, are on it.
 constexpr float onPlaneOffsets = 0.02F;
-constexpr std::size_t grain = 64; // receivers whose rays are traced together
-/// Filter surfaces a sky ray may cross.
-constexpr int mostCrossings = 64;
+constexpr std::size_t batchSize = 64; // receivers whose rays are traced together
 
 /// What gets through to the sky: the product over filters in front of the first sky surface; 0 where the first other
 /// surface is not sky, or there is none.
@@ -163,7 +162,7 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     if (missing.empty()) return;
     std::vector<Rgb> results(missing.size());
     std::vector<float> variances(missing.size());
-    parallelChunks(missing.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(missing.size(), batchSize, [&](std::size_t begin, std::size_t end) {
         compute(std::span(missing).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin),
                 std::span(variances).subspan(begin, end - begin));
     });

@@ -4,6 +4,7 @@
 #include "pie/gather/direct.h"
 #include "pie/gather/gather_rays.h"
 #include "pie/gather/irradiance_cache.h"
+#include "pie/gather/numbers.h"
 
 #include <algorithm>
 #include <array>
@@ -17,33 +18,14 @@ namespace {
 using glm::dvec3;
 using photons::Photon;
 
-constexpr std::size_t grain = 16;        // receivers whose rays are traced together
+constexpr std::size_t together = 16;     // receivers whose rays are traced
 constexpr std::size_t recordRound = 128; // receivers that may become records together
-
-Rgb finite(const dvec3& value) {
-    Rgb result(0.0F);
-    for (int i = 0; i < 3; ++i)
-        if (value[i] > 0) result[i] = static_cast<float>(std::min(value[i], double{std::numeric_limits<float>::max()}));
-    return result;
-}
-
-double meanChannel(const dvec3& c) { return (c.x + c.y + c.z) / 3; }
 
 /// About the golden section of the count, and without a common factor: multiples of it visit every number once.
 std::size_t strideThrough(std::size_t count) {
     auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.6180339887498949 * static_cast<double>(count)));
     while (std::gcd(stride, count) != 1) ++stride;
     return stride;
-}
-
-double variance(std::span<const double> parts) {
-    if (parts.size() < 2) return 0;
-    const auto count = static_cast<double>(parts.size());
-    double mean = 0;
-    for (const double part : parts) mean += part / count;
-    double squares = 0;
-    for (const double part : parts) squares += (part - mean) * (part - mean);
-    return squares * count / (count - 1);
 }
 
 } // namespace
@@ -137,7 +119,7 @@ void FinalGather::State::place() {
             numbers.push_back(static_cast<std::uint32_t>(number));
         }
         some.assign(candidates.size(), {});
-        parallelChunks(candidates.size(), grain, [&](std::size_t from, std::size_t to) {
+        parallelChunks(candidates.size(), together, [&](std::size_t from, std::size_t to) {
             rays.shoot(std::span(candidates).subspan(from, to - from), std::span(some).subspan(from, to - from));
         });
         for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -200,7 +182,7 @@ Rgb FinalGather::State::lookUp(const scene::Receiver& point, maps::NearestQueue&
 /// Light of bundles, in parallel.
 void FinalGather::State::light(std::span<const Bundle> some, std::span<Rgb> irradiance,
                                std::span<std::array<Rgb, 3>> gradient) const {
-    parallelChunks(some.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(some.size(), together, [&](std::size_t begin, std::size_t end) {
         maps::NearestQueue queue;
         std::vector<scene::Receiver> points;
         std::vector<Rgb> found;
@@ -263,7 +245,7 @@ void FinalGather::reflected(std::span<const std::uint32_t> which, std::span<Rgb>
         for (std::size_t i = 0; i < which.size(); ++i) irradiance[i] = s.interpolate(which[i]);
         return;
     }
-    parallelChunks(which.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(which.size(), together, [&](std::size_t begin, std::size_t end) {
         std::vector<scene::Receiver> points;
         for (std::size_t i = begin; i < end; ++i) points.push_back(s.receivers.points[which[i]]);
         std::vector<Bundle> bundles(points.size());
@@ -301,7 +283,7 @@ void FinalGather::explain(std::span<const std::uint32_t> which, std::span<Estima
     State& s = *state_;
     std::vector<Rgb> irradiance(which.size());
     estimate(which, irradiance);
-    parallelChunks(which.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(which.size(), together, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             estimates[i] = {};
             if (s.options.samples > 0) {

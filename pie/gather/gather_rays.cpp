@@ -1,5 +1,6 @@
 #include "pie/gather/gather_rays.h"
 
+#include "pie/gather/numbers.h"
 #include "pie/sampling/directions.h"
 
 #include <bit>
@@ -11,8 +12,6 @@ namespace {
 
 using intersect::Hit;
 using intersect::Ray;
-
-constexpr int mostCrossings = 64; // filters a ray may pass
 
 /// As shadow rays: a unit in a level of usual size; at 10⁷ units the next float is a unit away.
 float offsetFor(const scene::Scene& scene) {

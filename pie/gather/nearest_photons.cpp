@@ -2,6 +2,7 @@
 
 #include "pie/core/parallel.h"
 #include "pie/gather/area_shape.h"
+#include "pie/gather/numbers.h"
 
 #include <glm/vec3.hpp>
 
@@ -20,7 +21,7 @@ using Side = SurfaceTest::Side;
 
 constexpr float smallestRadiusShare = 1e-3F;
 constexpr double smallestAreaShare = 1.0 / 256;
-constexpr std::size_t grain = 64;        // receivers per task
+constexpr std::size_t taskSize = 64;     // receivers
 constexpr std::size_t fewestBatches = 4; // with fewer, their spread says too little
 
 float radiusWithin(const scene::Scene& scene, float wanted) {
@@ -28,19 +29,6 @@ float radiusWithin(const scene::Scene& scene, float wanted) {
     if (!(wanted > 0.0F)) return 0.0F;
     return diagonal > 0.0F ? std::min(wanted, diagonal) : wanted;
 }
-
-Rgb finite(const dvec3& value) {
-    Rgb result(0.0F);
-    for (int i = 0; i < 3; ++i)
-        if (value[i] > 0) result[i] = static_cast<float>(std::min(value[i], double{std::numeric_limits<float>::max()}));
-    return result;
-}
-
-float finite(double value) {
-    return value > 0 ? static_cast<float>(std::min(value, double{std::numeric_limits<float>::max()})) : 0.0F;
-}
-
-double meanChannel(const dvec3& c) { return (c.x + c.y + c.z) / 3; }
 
 } // namespace
 
@@ -87,20 +75,6 @@ struct NearestPhotons::Search {
         return sum;
     }
 };
-
-namespace {
-
-/// Variance of a sum from that of its parts.
-double variance(std::span<const double> parts) {
-    const auto count = static_cast<double>(parts.size());
-    double mean = 0;
-    for (const double part : parts) mean += part / count;
-    double squares = 0;
-    for (const double part : parts) squares += (part - mean) * (part - mean);
-    return squares * count / (count - 1);
-}
-
-} // namespace
 
 NearestPhotons::NearestPhotons(const scene::Scene& scene, const scene::Receivers& receivers,
                                const maps::RealtimeMap& map, const NearestOptions& options, const Estimator* direct)
@@ -297,14 +271,14 @@ template <class Use> void NearestPhotons::forEach(std::span<const std::uint32_t>
         search.receiver = which[i];
         search.at = &receivers_.points[which[i]];
     };
-    parallelChunks(which.size(), grain, [&](std::size_t begin, std::size_t end) { forEachIn(begin, end, at, use); });
+    parallelChunks(which.size(), taskSize, [&](std::size_t begin, std::size_t end) { forEachIn(begin, end, at, use); });
 }
 
 void NearestPhotons::estimateAt(std::span<const scene::Receiver> points, std::span<Rgb> irradiance,
                                 Bounces bounces) const {
     std::fill(irradiance.begin(), irradiance.end(), Rgb(0.0F));
     if (!finds()) return;
-    parallelChunks(points.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(points.size(), taskSize, [&](std::size_t begin, std::size_t end) {
         forEachIn(
             begin, end,
             [&](std::size_t i, Search& search) {

@@ -1,5 +1,7 @@
 #include "pie/gather/photon_shape.h"
 
+#include "pie/gather/numbers.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -12,8 +14,6 @@ namespace pie::gather {
 namespace {
 
 using glm::dvec2;
-
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Mean and covariance.
 struct Moments {

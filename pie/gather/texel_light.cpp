@@ -9,7 +9,7 @@
 namespace pie::gather {
 namespace {
 
-constexpr std::size_t grain = 1024;
+constexpr std::size_t photonsPerTask = 1024;
 // A frame's photons together carry a few times the power of the lights (bounces), so 2⁶³ units hold 10⁷ frames.
 constexpr double unitsOfPower = 0x1p34;
 
@@ -43,7 +43,7 @@ TexelLight::TexelLight(const SurfaceTexels& texels, double power, const DirectLi
 
 void TexelLight::change(std::span<const photons::Photon> photons, std::int64_t sign) {
     frames_ += sign;
-    parallelChunks(photons.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(photons.size(), photonsPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const photons::Photon& photon = photons[i];
             const std::uint32_t texel = texels_.find(photon);
@@ -103,7 +103,7 @@ Rgb TexelLight::irradiance(const Sum& sum, const SurfaceTexels::Texel& texel, do
 void TexelLight::update() {
     const double scale = frames_ > 0 ? 1 / static_cast<double>(frames_) : 0;
     const std::span<const SurfaceTexels::Texel> fine = texels_.texels();
-    parallelChunks(fine.size(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(fine.size(), 4 * photonsPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             Rgb light = irradiance(sums_[0][t], fine[t], scale);
             if (!direct_.empty()) light += direct_[t];

@@ -1,5 +1,6 @@
 #include "pie/gather/texel_rays.h"
 
+#include "pie/gather/numbers.h"
 #include "pie/sampling/directions.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@ namespace {
 
 using intersect::Hit;
 using intersect::Ray;
-
-constexpr int mostCrossings = 64; // filter surfaces on one ray
 
 std::uint64_t mixed(std::uint64_t x) {
     x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;

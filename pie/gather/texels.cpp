@@ -111,13 +111,14 @@ void cutTriangle(const scene::Scene& scene, std::uint32_t triangle, const glm::d
 /// Pieces in the order of the triangles; false when there would be too many.
 bool cutAll(const scene::Scene& scene, const glm::dvec3& origin, double scale, std::span<const std::uint8_t> direction,
             std::size_t most, std::vector<Piece>& pieces) {
-    constexpr std::size_t grain = 256;
+    constexpr std::size_t trianglesPerTask = 256;
     const std::size_t count = scene.triangles.size();
-    std::vector<std::vector<Piece>> parts((count + grain - 1) / grain);
-    parallelChunks(count, grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::vector<Piece>> parts((count + trianglesPerTask - 1) / trianglesPerTask);
+    parallelChunks(count, trianglesPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)
             if (direction[t] != 255)
-                cutTriangle(scene, static_cast<std::uint32_t>(t), origin, scale, direction[t], parts[begin / grain]);
+                cutTriangle(scene, static_cast<std::uint32_t>(t), origin, scale, direction[t],
+                            parts[begin / trianglesPerTask]);
     });
     std::size_t size = 0;
     for (const auto& part : parts) size += part.size();

@@ -243,8 +243,8 @@ ChoiceMap::ChoiceMap(const scene::Scene& scene, const Sources& sources, const in
 std::size_t ChoiceMap::binOf(const Point& point) const {
     const Vec3 place = (point.position - lower_) / cell_;
     const glm::ivec3 cell(glm::clamp(place, Vec3(0.0F), Vec3(cells_) - 1.0F));
-    const auto number = static_cast<std::size_t>((cell.z * cells_.y + cell.y) * cells_.x + cell.x);
-    return number * sides + sideOf(point.normal);
+    const std::int64_t row = std::int64_t{cell.z} * cells_.y + cell.y;
+    return static_cast<std::size_t>(row * cells_.x + cell.x) * sides + sideOf(point.normal);
 }
 
 Choice::Drawn ChoiceMap::draw(const Point& point, double u) const {

@@ -1,5 +1,7 @@
 #include "pie/sampling/directions.h"
 
+#include "pie/sampling/hash.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,7 +13,6 @@ namespace pie::sampling {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-constexpr float belowOne = 0x1.fffffep-1F;
 
 /// Without a branch: which of the two is wanted is a coin toss here, and a wrong guess costs more than all the rest.
 float choose(bool first, float a, float b) {

@@ -7,7 +7,6 @@
 namespace pie::sampling {
 namespace {
 
-constexpr float belowOne = 0x1.fffffep-1F;
 constexpr double turnsPerRing = 3.0; // strata of a ring over rings: near the equator a stratum is about as high as wide
 
 float below(double x) { return std::min(static_cast<float>(x), belowOne); }

@@ -120,7 +120,7 @@ float radicalInverse(std::uint64_t index, unsigned dimension) {
         place /= base;
         sum += static_cast<double>(index % base) * place;
     }
-    return std::min(static_cast<float>(sum), detail::belowOne);
+    return std::min(static_cast<float>(sum), belowOne);
 }
 
 Halton::Halton(std::uint64_t seed) : seed_(seed), tables_(tablesOf(seed)), rows_(tables_->rows.data()) {}
@@ -137,7 +137,7 @@ float Halton::beyond(std::uint64_t index, unsigned dimension) const {
         place /= base;
         sum += static_cast<double>((factor * (index % base) + (random & 0xffffffffU)) % base) * place;
     }
-    return std::min(static_cast<float>(sum), detail::belowOne);
+    return std::min(static_cast<float>(sum), belowOne);
 }
 
 } // namespace pie::sampling

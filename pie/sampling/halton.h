@@ -29,8 +29,6 @@ inline constexpr unsigned haltonDimensions = 128;
 
 namespace detail {
 
-inline constexpr float belowOne = 0x1.fffffep-1F;
-
 /// One dimension of one seed: blocks of digits, least significant first, with what each block value adds to u.
 struct HaltonRow {
     static constexpr std::size_t maxBlocks = 8;

@@ -13,6 +13,8 @@ namespace pie::sampling {
     return x ^ (x >> 31U);
 }
 
+inline constexpr float belowOne = 0x1.fffffep-1F; ///< the largest float in [0, 1)
+
 /// The leading 24 bits as a number in [0, 1): as many as a float holds.
 [[nodiscard]] constexpr float toUnit(std::uint64_t bits) { return static_cast<float>(bits >> 40U) * 0x1p-24F; }
 [[nodiscard]] constexpr float toUnit(std::uint32_t bits) { return static_cast<float>(bits >> 8U) * 0x1p-24F; }
@@ -28,7 +30,7 @@ namespace pie::sampling {
     const std::uint64_t factor = mix(key) | 1U;
     const std::uint64_t other = mix(key ^ 0x5851f42d4c957f2dU) | 1U;
     unsigned half = 1;
-    while (half < 63 && (mask >> (2 * half)) != 0) ++half;
+    while (half < 32 && (mask >> (2 * half)) != 0) ++half;
     do {
         // Odd factors and xors with higher bits are bijections below the mask.
         i = (i + (key >> 7U)) & mask;

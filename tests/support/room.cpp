@@ -11,7 +11,7 @@ namespace {
 struct Wall {
     Vec3 normal, along, up;
 };
-constexpr int wallCount = 6;
+constexpr int roomWalls = 6;
 
 Wall wall(int number) {
     const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -55,7 +55,7 @@ void addWall(level::Bsp& bsp, const Room& room, int number) {
 level::Bsp makeRoom(const Room& room, std::uint8_t lightmapByte) {
     level::Bsp bsp;
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n}\n" + room.entities;
-    for (int number = 0; number < wallCount; ++number) addWall(bsp, room, number);
+    for (int number = 0; number < roomWalls; ++number) addWall(bsp, room, number);
     const auto half = static_cast<std::int32_t>(room.side / 2);
     level::BspNode node;
     node.children = {-1, -2};
@@ -65,14 +65,14 @@ level::Bsp makeRoom(const Room& room, std::uint8_t lightmapByte) {
     level::BspLeaf inside;
     inside.mins = node.mins;
     inside.maxs = node.maxs;
-    inside.leafFaceCount = wallCount;
+    inside.leafFaceCount = roomWalls;
     level::BspLeaf solid;
     solid.cluster = -1;
     bsp.leaves = {inside, solid};
     level::BspModel world;
     world.mins = Vec3(-room.side / 2);
     world.maxs = Vec3(room.side / 2);
-    world.faceCount = wallCount;
+    world.faceCount = roomWalls;
     bsp.models.push_back(world);
     bsp.lightmaps.emplace_back().fill(lightmapByte);
     return bsp;
