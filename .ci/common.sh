@@ -7,7 +7,7 @@ jobs=$(nproc)
 # What the tree needs to build and to draw. Names of Debian 12.
 build_packages=(
     g++ cmake ninja-build pkg-config
-    libglm-dev libtbb-dev libfmt-dev libembree-dev libjpeg-dev libopenimageio-dev libzip-dev libtomlplusplus-dev
+    libglm-dev libtbb-dev libfmt-dev libembree-dev libjpeg-dev libpng-dev libopenimageio-dev libzip-dev libtomlplusplus-dev
     libcli11-dev nlohmann-json3-dev libtinyobjloader-dev libopenscenegraph-dev openscenegraph
 )
 display_packages=(xvfb libgl1-mesa-dri)

@@ -1,7 +1,7 @@
 #pragma once
-// Pictures from bytes in memory. TGA and JPEG, of which levels are made, are decoded here; whatever else there is goes
-// through OpenImageIO, which brings some 260 libraries along: they take longer to load than a level does, so they are
-// loaded when the first such picture comes up (openimageio_module.h). Not for use outside pie/level.
+// Pictures from bytes in memory. TGA, JPEG and PNG, of which levels are made, are decoded here; whatever else there is
+// goes through OpenImageIO, which brings some 260 libraries along: they take longer to load than a level does, so they
+// are loaded when the first such picture comes up (openimageio_module.h). Not for use outside pie/level.
 //
 // All may be called from several threads at once. Rows are top first; RGBA, without colour conversion.
 
@@ -36,7 +36,9 @@ struct Decoding {
 [[nodiscard]] std::optional<Decoding> decodeTga(std::span<const std::byte> bytes);
 /// Grey or colour. Nothing for what is made for printing (CMYK), and for what is no JPEG.
 [[nodiscard]] std::optional<Decoding> decodeJpeg(std::span<const std::byte> bytes);
-/// Any format that OpenImageIO knows by this extension ("png").
+/// Any PNG. Nothing for what is none.
+[[nodiscard]] std::optional<Decoding> decodePng(std::span<const std::byte> bytes);
+/// Any format that OpenImageIO knows by this extension.
 [[nodiscard]] Decoding decodeOther(std::span<const std::byte> bytes, const std::string& extension);
 
 struct PictureSize {
@@ -45,6 +47,7 @@ struct PictureSize {
 /// From the head of the file alone; nothing where the decoder above would decline.
 [[nodiscard]] std::optional<PictureSize> tgaSize(std::span<const std::byte> bytes);
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::byte> bytes);
+[[nodiscard]] std::optional<PictureSize> pngSize(std::span<const std::byte> bytes);
 [[nodiscard]] std::optional<PictureSize> otherSize(std::span<const std::byte> bytes, const std::string& extension);
 
 } // namespace pie::level

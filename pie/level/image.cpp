@@ -18,6 +18,8 @@ Decoding decode(std::span<const std::byte> bytes, const std::string& kind) {
         if (std::optional<Decoding> done = decodeTga(bytes)) return std::move(*done);
     if (kind == "jpg" || kind == "jpeg")
         if (std::optional<Decoding> done = decodeJpeg(bytes)) return std::move(*done);
+    if (kind == "png")
+        if (std::optional<Decoding> done = decodePng(bytes)) return std::move(*done);
     return decodeOther(bytes, kind);
 }
 
@@ -26,6 +28,8 @@ std::optional<PictureSize> sizeOf(std::span<const std::byte> bytes, const std::s
         if (const std::optional<PictureSize> size = tgaSize(bytes)) return size;
     if (kind == "jpg" || kind == "jpeg")
         if (const std::optional<PictureSize> size = jpegSize(bytes)) return size;
+    if (kind == "png")
+        if (const std::optional<PictureSize> size = pngSize(bytes)) return size;
     return otherSize(bytes, kind);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Pictures from the virtual file system: tga and jpg by decoders of our own or libjpeg's, others through OpenImageIO.
+// Pictures from the virtual file system: tga by a decoder of our own, jpg and png by libjpeg and libpng, others
+// through OpenImageIO.
 
 #include "pie/core/bulk.h"
 #include "pie/core/result.h"
