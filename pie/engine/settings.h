@@ -72,6 +72,7 @@ struct Settings {
     EstimatorKind estimator = EstimatorKind::Gather;
     float texelSize = 0;      ///< units; 0: from the scene
     int gatherRays = 256;     ///< per receiver
+    bool aimedRays = true;    ///< a quarter as many again, at bright texels
     int refineRays = 200'000; ///< per frame
     int stillFrames = 100;    ///< photons of so many frames, at most
     bool standardErrors = false;

@@ -79,6 +79,7 @@ gather::GatherOptions gatherOptions(const Settings& settings) {
     gather::GatherOptions options;
     options.texels.edge = settings.texelSize;
     options.rays = static_cast<unsigned>(settings.gatherRays);
+    options.aim = settings.aimedRays;
     options.reflections = static_cast<unsigned>(settings.recursionDepth);
     options.standardErrors = settings.standardErrors;
     options.seed = settings.seed;
@@ -148,6 +149,15 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
         auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
                                                              gatherOptions(settings));
         gathering = gather.get();
+        if (settings.recursionDepth > 0 && settings.aimedRays) {
+            photons::TracerOptions first = tracerOptions(settings);
+            first.recursionDepth = 0;
+            first.storeDirectLight = true;
+            std::vector<photons::Photon> hits;
+            photons::PhotonTracer(*scene, lights, *intersector, first)
+                .trace(0, static_cast<std::uint64_t>(settings.photonsFromLight), hits);
+            gather->aim(hits);
+        }
         estimator = std::move(gather);
         asked.assign(receivers.points.size(), 0);
     } else {

@@ -17,6 +17,8 @@ constexpr std::uint64_t expectedDirectRays = 64;
 constexpr std::uint32_t enoughPhotons = 8; // for a first guess
 constexpr unsigned largeShare = 32;        // a texel that more than one ray in so many meets gathers itself
 
+bool differ(const TexelHit& a, const TexelHit& b) { return a.texel != b.texel || a.weight != b.weight; }
+
 /// Direct light of texels needs less care than that of receivers: hundreds of texels are averaged.
 DirectOptions texelDirectOptions(std::uint64_t seed) {
     DirectOptions options;
@@ -50,12 +52,13 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
                            const intersect::Intersector& intersector, const scene::Receivers& receivers,
                            const DirectLight* direct, const GatherOptions& options)
     : receivers_(receivers), direct_(direct), options_(checked(options)), texels_(scene, options_.texels),
+      bright_(texels_),
       texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
                                                           texelDirectOptions(options.seed))
                           : nullptr),
       light_(texels_, largestPower(lights, scene), texelDirect_.get(), options.standardErrors),
-      gatherRays_(scene, intersector, texels_, receivers, rayOffsetFor(scene), options.seed),
-      texelGatherRays_(scene, intersector, texels_, texels_.points(), rayOffsetFor(scene), options.seed),
+      gatherRays_(scene, intersector, texels_, bright_, receivers, rayOffsetFor(scene), options.seed),
+      texelGatherRays_(scene, intersector, texels_, bright_, texels_.points(), rayOffsetFor(scene), options.seed),
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
       own_(receivers.points.size(), SurfaceTexels::none), texelRows_(texels_.texels().size()),
       texelPairs_(options.standardErrors ? texels_.texels().size() : 0) {
@@ -64,6 +67,10 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
 }
 
 CachedGather::~CachedGather() = default;
+
+void CachedGather::aim(std::span<const photons::Photon> firstHits) {
+    if (options_.aim && options_.reflections > 0) bright_.choose(firstHits);
+}
 
 void CachedGather::add(std::span<const photons::Photon> photons) {
     // First hits are direct light: with shadow rays, texels have it from those.
@@ -185,21 +192,36 @@ bool CachedGather::ownTexels(std::span<const std::uint32_t> wanted, const std::f
     return true;
 }
 
-/// Sorted and counted. Those met by at least `large` rays are taken by their own gather.
-CachedGather::Row CachedGather::makeRow(std::vector<std::uint32_t>& met, std::uint32_t large) const {
-    std::sort(met.begin(), met.end());
-    std::vector<Entry> entries;
-    for (auto first = met.begin(); first != met.end();) {
-        const auto last = std::find_if(first, met.end(), [&](std::uint32_t t) { return t != *first; });
-        auto rays = static_cast<std::uint32_t>(last - first);
-        const std::uint32_t number = *first + (rays >= large ? texelCount() : 0U);
+/// Texel by texel. Those that weigh at least `large` are taken by their own gather.
+CachedGather::Row CachedGather::makeRow(std::span<const TexelHit> hits, unsigned n, float large) const {
+    const float each = 1.0F / static_cast<float>(n);
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t i = 0; i < hits.size(); ++i)
+        if (hits[i].texel != SurfaceTexels::none) order.push_back(i);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return hits[a].texel < hits[b].texel; });
+    std::vector<std::uint32_t> entries;
+    std::vector<std::uint32_t> weighted;
+    for (auto first = order.begin(); first != order.end();) {
+        const std::uint32_t texel = hits[*first].texel;
+        std::uint32_t rays = 0;
+        float weight = 0;
+        for (; first != order.end() && hits[*first].texel == texel; ++first)
+            if (hits[*first].weight == each)
+                ++rays;
+            else
+                weight += hits[*first].weight;
+        const bool own = weight + each * static_cast<float>(rays) >= large;
+        const std::uint32_t number = texel + (own ? texelCount() : 0U);
         for (; rays > 0; rays -= std::min(rays, mostRays))
             entries.push_back(number << countBits | (std::min(rays, mostRays) - 1));
-        first = last;
+        if (weight > 0.0F) weighted.insert(weighted.end(), {number, std::bit_cast<std::uint32_t>(weight)});
     }
     Row row;
     row.size = static_cast<std::uint32_t>(entries.size());
-    row.entries = std::make_unique<Entry[]>(entries.size());
+    row.weighted = static_cast<std::uint32_t>(weighted.size() / 2);
+    entries.insert(entries.end(), weighted.begin(), weighted.end());
+    row.entries = std::make_unique<std::uint32_t[]>(entries.size());
     std::copy(entries.begin(), entries.end(), row.entries.get());
     return row;
 }
@@ -208,26 +230,22 @@ void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
     parallelChunks(which.size(), receiversPerTask, [&](std::size_t begin, std::size_t end) {
         std::vector<TexelHit> hits;
         gatherRays_.shoot(which.subspan(begin, end - begin), n, hits);
-        std::vector<std::uint32_t> met;
         std::size_t at = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t count = gatherRays_.count(which[i], n);
-            met.clear();
-            for (std::size_t k = 0; k < count; ++k)
-                if (hits[at + k].texel != SurfaceTexels::none) met.push_back(hits[at + k].texel);
+            rows_[which[i]] = makeRow(std::span(hits).subspan(at, count), n,
+                                      static_cast<float>(std::max(2U, n / largeShare)) / static_cast<float>(n));
             at += count;
-            rows_[which[i]] = makeRow(met, std::max(2U, n / largeShare));
         }
     });
     std::vector<std::uint32_t> seen;
     std::vector<std::uint32_t> large;
     for (const std::uint32_t r : which) {
         rays_ += gatherRays_.count(r, n);
-        for (std::uint32_t k = 0; k < rows_[r].size; ++k) {
-            const std::uint32_t number = rows_[r].entries[k] >> countBits;
+        rows_[r].forEach(n, [&](std::uint32_t number, float /*weight*/) {
             if (number >= texelCount()) large.push_back(number - texelCount());
             seen.push_back(number % texelCount());
-        }
+        });
     }
     light_.direct(seen);
     makeTexelRows(std::move(large));
@@ -244,40 +262,37 @@ void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
                    [&](std::size_t begin, std::size_t end) {
                        std::vector<TexelHit> hits;
                        std::vector<std::uint32_t> which(points);
-                       std::vector<std::uint32_t> met;
                        for (std::size_t i = begin; i < end; ++i) {
                            const std::uint32_t t = texels[i];
                            for (unsigned k = 0; k < points; ++k) which[k] = t * points + k;
                            hits.clear();
                            texelGatherRays_.shoot(which, n, hits);
-                           met.clear();
-                           for (const TexelHit& hit : hits)
-                               if (hit.texel != SurfaceTexels::none) met.push_back(hit.texel);
-                           texelRows_[t] = makeRow(met, std::numeric_limits<std::uint32_t>::max());
+                           for (TexelHit& hit : hits) hit.weight /= static_cast<float>(points);
+                           texelRows_[t] = makeRow(hits, n * points, std::numeric_limits<float>::infinity());
                            if (texelPairs_.empty()) continue;
                            for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
-                               if (hits[k].texel != hits[k + 1].texel)
-                                   texelPairs_[t].push_back({hits[k].texel, hits[k + 1].texel});
+                               if (differ(hits[k], hits[k + 1]))
+                                   texelPairs_[t].push_back(
+                                       {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
                        }
                    });
-    rays_ += std::uint64_t{texels.size()} * points * n;
+    for (const std::uint32_t t : texels) rays_ += points * texelGatherRays_.count(t * points, n);
     std::vector<std::uint32_t> seen = texels;
     for (const std::uint32_t t : texels)
-        for (std::uint32_t k = 0; k < texelRows_[t].size; ++k) seen.push_back(texelRows_[t].entries[k] >> countBits);
+        texelRows_[t].forEach(n * points, [&](std::uint32_t number, float /*weight*/) { seen.push_back(number); });
     light_.direct(seen);
     gatheringTexels_.insert(gatheringTexels_.end(), texels.begin(), texels.end());
 }
 
 Rgb CachedGather::gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n) {
     TexelLight::Radiosity sum;
-    for (std::uint32_t i = 0; i < row.size; ++i) {
-        const TexelLight::Radiosity& at = radiosity[row.entries[i] >> countBits];
-        const auto count = static_cast<float>((row.entries[i] & (mostRays - 1)) + 1);
-        sum.r += count * at.r;
-        sum.g += count * at.g;
-        sum.b += count * at.b;
-    }
-    return Rgb(sum.r, sum.g, sum.b) / static_cast<float>(n);
+    row.forEach(n, [&](std::uint32_t number, float weight) {
+        const TexelLight::Radiosity& at = radiosity[number];
+        sum.r += weight * at.r;
+        sum.g += weight * at.g;
+        sum.b += weight * at.b;
+    });
+    return {sum.r, sum.g, sum.b};
 }
 
 void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
@@ -313,11 +328,11 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
 }
 
 std::size_t CachedGather::bytes() const {
-    std::size_t sum = texels_.bytes() + light_.bytes() + stage_.size() + own_.size() * sizeof(std::uint32_t) +
-                      (rows_.size() + texelRows_.size()) * sizeof(Row) +
+    std::size_t sum = texels_.bytes() + bright_.bytes() + light_.bytes() + stage_.size() +
+                      own_.size() * sizeof(std::uint32_t) + (rows_.size() + texelRows_.size()) * sizeof(Row) +
                       radiosity_.size() * sizeof(TexelLight::Radiosity);
     for (const auto* rows : {&rows_, &texelRows_})
-        for (const Row& row : *rows) sum += row.size * sizeof(Entry);
+        for (const Row& row : *rows) sum += row.bytes();
     for (const auto& pairs : texelPairs_) sum += pairs.size() * sizeof(Pair);
     return sum;
 }

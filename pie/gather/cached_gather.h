@@ -1,11 +1,12 @@
 #pragma once
 // The default estimator: a final gather over surface texels whose rays are shot once and kept.
 //
-//   E = direct light by shadow rays + 1/n Σ over the texels seen: rays that hit the texel · its radiosity
+//   E = direct light by shadow rays + Σ over the texels seen: weights of the rays that hit the texel · its radiosity
 //
-// The rays of a receiver depend on geometry alone. They are kept as a sparse row (texel, number of rays), so that a new
-// frame of photons costs a sparse matrix times a vector of colours: no tree, no search, no kernel, and no boundary bias
-// at edges, where a level's vertices are. Photons only have to be right on the mean over what a receiver sees.
+// The rays of a receiver depend on geometry alone, but for those that are aimed at what is bright once and for all.
+// They are kept as a sparse row (texel, number of rays), so that a new frame of photons costs a sparse matrix times a
+// vector of colours: no tree, no search, no kernel, and no boundary bias at edges, where a level's vertices are.
+// Photons only have to be right on the mean over what a receiver sees.
 //
 // A texel that fills much of what a receiver sees (the wall beside an edge) would pass its own noise on. Such texels
 // gather themselves, from points spread over them (the secondary gather of pi-engine 3.2.2, cached): the receiver then
@@ -26,6 +27,7 @@
 #include "pie/gather/texels.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -42,6 +44,7 @@ struct GatherOptions {
     /// Reflections that light arrives by, at most. 0: direct light alone, nothing is gathered. 1: texels do not gather
     /// themselves. More: as many as the photons bring, which must have one less; beside edges one more.
     unsigned reflections = 8;
+    bool aim = true;             ///< a quarter as many rays again at bright texels, once aim() has told which they are
     bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
     std::uint64_t seed = 0;
 };
@@ -55,6 +58,8 @@ public:
                  const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options);
     ~CachedGather() override;
 
+    /// Where lights shine: first hits of one frame of photons. Before anything is refined, or not at all.
+    void aim(std::span<const photons::Photon> firstHits);
     /// One more frame of photons, in the order of their indices.
     void add(std::span<const photons::Photon> photons);
     /// Spends about `rays` rays on the receivers of `wanted` that are not finished. Returns the rays spent: 0 when all
@@ -76,18 +81,33 @@ private:
     enum Stage : std::uint8_t { Unknown, OwnTexel, Direct, Coarse, Medium, Fine };
 
     using Radiosities = std::vector<TexelLight::Radiosity>;
-    /// Number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold every texel twice: by
-    /// its photons, then by its own gather.
-    using Entry = std::uint32_t;
+    /// Entries of rows: number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold
+    /// every texel twice: by its photons, then by its own gather.
     static constexpr unsigned countBits = 10;
     static constexpr std::uint32_t mostRays = 1U << countBits; ///< one entry holds
     static constexpr std::size_t mostTexels = 1U << (31U - countBits);
     static constexpr std::uint32_t enoughFirstHits = 16; ///< where they are all the direct light there is
+    /// First texels and how many rays met them, then those whose rays have other weights than 1/n: two entries each,
+    /// number and weight.
     struct Row {
-        std::unique_ptr<Entry[]> entries;
-        std::uint32_t size = 0;
+        std::unique_ptr<std::uint32_t[]> entries;
+        std::uint32_t size = 0, weighted = 0;
+
+        /// Calls use(number, weight) for every texel.
+        template <class Use> void forEach(unsigned n, const Use& use) const {
+            const float each = 1.0F / static_cast<float>(n);
+            for (std::uint32_t i = 0; i < size; ++i)
+                use(entries[i] >> countBits, each * static_cast<float>((entries[i] & (mostRays - 1)) + 1));
+            for (std::uint32_t i = size; i < size + 2 * weighted; i += 2)
+                use(entries[i], std::bit_cast<float>(entries[i + 1]));
+        }
+        [[nodiscard]] std::size_t bytes() const { return (size + 2 * std::size_t{weighted}) * sizeof(std::uint32_t); }
     };
-    using Pair = std::array<std::uint32_t, 2>; ///< texels that the two rays of a stratum met, where they differ
+    /// What the two rays of a stratum met, where they differ.
+    struct Pair {
+        std::array<std::uint32_t, 2> numbers{};
+        std::array<float, 2> weights{};
+    };
 
     [[nodiscard]] unsigned lastStage() const;
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
@@ -97,7 +117,7 @@ private:
     bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
     void makeRows(std::span<const std::uint32_t> which, unsigned n);
     void makeTexelRows(std::vector<std::uint32_t> texels);
-    [[nodiscard]] Row makeRow(std::vector<std::uint32_t>& met, std::uint32_t large) const;
+    [[nodiscard]] Row makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
     void update();
     /// From radiosities by photons, for one entry per texel, those for two. `direct`: whether direct light is in them.
     [[nodiscard]] Radiosities bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const;
@@ -110,6 +130,7 @@ private:
     const DirectLight* direct_;
     GatherOptions options_;
     SurfaceTexels texels_;
+    BrightTexels bright_;
     std::unique_ptr<DirectLight> texelDirect_;
     TexelLight light_;
     std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where no shadow rays bring direct light

@@ -44,13 +44,14 @@ struct CachedGather::Explanation {
 
     /// Twice the variance of a stratum from its two rays. What photons add to their difference is taken out again: it
     /// is in the spread of the batches already.
-    [[nodiscard]] double pair(std::span<const TexelLight::Radiosity> radiosity, std::uint32_t a,
-                              std::uint32_t b) const {
-        if (a == b) return 0;
+    [[nodiscard]] double pair(std::span<const TexelLight::Radiosity> radiosity, const Pair& pair) const {
+        const auto [a, b] = pair.numbers;
+        const std::array<double, 2> weights{pair.weights[0], pair.weights[1]};
         const auto light = [&](std::uint32_t i) { return i == SurfaceTexels::none ? 0.0 : mean(radiosity[i]); };
         const auto its = [&](std::uint32_t i) { return i == SurfaceTexels::none || noise.empty() ? 0.0 : noise[i]; };
-        const double difference = light(a) - light(b);
-        return difference * difference - its(a) - its(b);
+        const double difference = weights[0] * light(a) - weights[1] * light(b);
+        if (a == b) return difference * difference - std::pow(weights[0] - weights[1], 2) * its(a);
+        return difference * difference - weights[0] * weights[0] * its(a) - weights[1] * weights[1] * its(b);
     }
 };
 
@@ -63,12 +64,11 @@ void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estim
             with.batches.push_back(bothWays(light_.batchRadiosity(b), false));
         with.noise = noiseOf(with.batches);
         with.variance.assign(texelCount(), 0.0);
-        const double rays = static_cast<double>(raysOfPoint()) * texels_.pointsPerTexel();
         for (const std::uint32_t t : gatheringTexels_) {
             double sum = 0;
-            for (const auto& [a, b] : texelPairs_[t]) sum += with.pair(radiosity_, a, b);
+            for (const Pair& pair : texelPairs_[t]) sum += with.pair(radiosity_, pair);
             const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
-            with.variance[t] = reflectance * reflectance * std::max(0.0, sum) / (rays * rays);
+            with.variance[t] = reflectance * reflectance * std::max(0.0, sum);
         }
     }
     if (texels_.levels() > 1) with.coarse = light_.coarseRadiosity(1);
@@ -88,18 +88,17 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     // Which of the two ways a texel is taken depends on the row.
     std::vector<std::uint32_t> large;
     double variance = 0;
-    for (std::uint32_t k = 0; k < row.size; ++k) {
-        const std::uint32_t number = row.entries[k] >> countBits;
+    row.forEach(n, [&](std::uint32_t number, float weight) {
         const std::uint32_t texel = number % texelCount();
-        const double count = (row.entries[k] & (mostRays - 1)) + 1.0;
+        const double squared = std::pow(static_cast<double>(weight), 2);
         const auto directError = static_cast<double>(light_.directError(texel));
-        variance += count * count * directError * directError;
+        variance += squared * directError * directError;
         if (number >= texelCount()) {
             large.push_back(texel);
-            if (!with.variance.empty()) variance += count * count * with.variance[texel];
+            if (!with.variance.empty()) variance += squared * with.variance[texel];
         }
         out.photons += light_.photons(texel);
-    }
+    });
     const auto numberOf = [&](const TexelHit& hit) {
         const bool own = std::find(large.begin(), large.end(), hit.texel) != large.end();
         return hit.texel == SurfaceTexels::none || !own ? hit.texel : hit.texel + texelCount();
@@ -110,15 +109,17 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     double fine = 0;
     double coarse = 0;
     for (std::size_t k = 0; k + 1 < hits.size(); k += 2) {
-        pairs += with.pair(radiosity_, numberOf(hits[k]), numberOf(hits[k + 1]));
+        pairs +=
+            with.pair(radiosity_, {{numberOf(hits[k]), numberOf(hits[k + 1])}, {hits[k].weight, hits[k + 1].weight}});
         if (with.coarse.empty()) continue;
         for (const TexelHit& hit : {hits[k], hits[k + 1]}) {
             if (hit.texel == SurfaceTexels::none) continue;
-            fine += mean(light_.radiosity()[hit.texel]);
-            coarse += mean(with.coarse[texels_.texels()[hit.texel].parent]);
+            const auto weight = static_cast<double>(hit.weight);
+            fine += weight * mean(light_.radiosity()[hit.texel]);
+            coarse += weight * mean(with.coarse[texels_.texels()[hit.texel].parent]);
         }
     }
-    variance = (variance + std::max(0.0, pairs)) / (static_cast<double>(n) * n);
+    variance += std::max(0.0, pairs);
     if (!with.batches.empty()) {
         double sum = 0;
         double squares = 0;
@@ -136,7 +137,7 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
         if (photons > 0) variance += light * light / static_cast<double>(photons); // of about equal power: Poisson
     }
     out.standardError = static_cast<float>(std::sqrt(variance));
-    out.bias = static_cast<float>(std::abs(fine - coarse) / n);
+    out.bias = static_cast<float>(std::abs(fine - coarse));
 }
 
 } // namespace pie::gather
