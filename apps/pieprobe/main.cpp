@@ -3,11 +3,13 @@
 #include "apps/pieprobe/light_option.h"
 #include "apps/pieprobe/obj.h"
 #include "apps/pieprobe/points.h"
+#include "apps/pieprobe/sample.h"
 #include "apps/pieprobe/surface.h"
 #include "pie/brushes/load.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/options.h"
 #include "pie/engine/transport.h"
+#include "pie/gather/texels.h"
 #include "pie/reference/path_tracer.h"
 
 #include <CLI/CLI.hpp>
@@ -40,6 +42,7 @@ struct Arguments {
     std::optional<int> frames;
     std::optional<std::uint64_t> seed;
     std::optional<int> threads;
+    std::optional<std::size_t> sample;
     std::optional<double> tolerance;
     bool noLevelLights = false, twoSided = false, time = false, reference = false, quiet = false;
     double target = 0.003;
@@ -50,6 +53,7 @@ void describe(CLI::App& app, Arguments& a) {
     app.footer(
         "Examples:\n"
         "  pieprobe maps/mine.bsp points.csv out.csv --frames 50\n"
+        "  pieprobe maps/mine.bsp points.csv out.csv --sample 300\n"
         "  pieprobe box.obj points.csv out.csv --light \"point 278 500 279.6 100 100 100\"\n"
         "  pieprobe box.obj points.csv truth.csv --light \"…\" --reference --target 0.003\n\n" +
         pieprobe::lightHelp() +
@@ -60,12 +64,16 @@ void describe(CLI::App& app, Arguments& a) {
         "  radius     units: of the search, or of the surface that stands for a hit\n"
         "  bias       how far the mean channel may be off besides, where that is known\n"
         "  status     ok, off_surface, bad_normal, not_finite (no values), target_not_reached (--reference)\n"
+        "Unless --set says otherwise: gather_rays=1024, direct_tolerance=0.02, texel_size at most 32 in levels,\n"
+        "standard_errors=true: slower and truer than what is drawn.\n"
         "In an .obj, Kd is the reflectance, fronts are counter-clockwise, materials named sky… are sky surfaces.\n"
         "Exit status: 0 all points answered, 1 nothing written: a file cannot be read or written, 2 wrong arguments,\n"
         "3 written, but some points have a status other than ok (reported one a line).");
     app.add_option("SCENE", a.scene, "a .bsp or .map (on disk, or inside a pk3), or a Wavefront .obj")->required();
-    app.add_option("POINTS", a.points, "CSV file of points and normals")->required();
+    app.add_option("POINTS", a.points, "CSV file of points and normals; written first with --sample")->required();
     app.add_option("OUT", a.out, "CSV file to write; appears whole or not at all")->required();
+    app.add_option("--sample", a.sample, "write POINTS first: so many random points, spread over all surfaces")
+        ->check(CLI::Range(1, 10'000'000));
     app.add_option("--light", a.lights, "add a light, see below; may be repeated")->take_all();
     app.add_flag("--no-level-lights", a.noLevelLights, "leave out the lights of the level");
     app.add_flag("--two-sided", a.twoSided, "surfaces of an .obj reflect and receive on both sides");
@@ -141,9 +149,18 @@ pie::engine::Settings settingsOf(const Arguments& a) {
         valueOr(settings.set("accumulation_frames", std::to_string(*a.frames), source), Misused);
     if (a.frames && settings.origin("still_frames") == pie::engine::Source::Default)
         valueOr(settings.set("still_frames", std::to_string(*a.frames), source), Misused);
-    // Below a command line, whoever sets it there.
-    valueOr(settings.set("standard_errors", "true", pie::engine::Source::Level), Misused);
+    // Numbers are wanted truer than pictures. Below a command line, whoever sets these there.
+    for (const char* pair : {"standard_errors=true", "gather_rays=1024", "direct_tolerance=0.02"})
+        valueOr(settings.setPair(pair, pie::engine::Source::Level), Misused);
     return settings;
+}
+
+/// In a level texels half as large as for pictures.
+void sizeTexels(pie::engine::Settings& settings, const pie::scene::Scene& scene) {
+    constexpr float largest = 32;
+    if (settings.origin("texel_size") == pie::engine::Source::Default &&
+        pie::gather::SurfaceTexels::automaticEdge(scene) > largest)
+        settings.texelSize = largest;
 }
 
 Lit readScene(const Arguments& a, const pie::engine::Settings& settings) {
@@ -238,22 +255,34 @@ std::vector<Answer> byReference(const Arguments& a, const pie::engine::Settings&
 
 Exit probe(const Arguments& a) {
     Watch watch;
-    const pie::engine::Settings settings = settingsOf(a);
+    pie::engine::Settings settings = settingsOf(a);
     pie::setThreads(static_cast<unsigned>(settings.threads));
     std::vector<pie::lights::Light> added;
     for (const std::string& text : a.lights) added.push_back(valueOr(pieprobe::parseLight(text), Misused));
-    const Points points = valueOr(pieprobe::readPoints(a.points), Failed);
+    pieprobe::OutFile out;
+    pieprobe::OutFile drawn;
+    Points points;
+    if (a.sample) {
+        if (const auto problem = drawn.open(a.points)) throw Stop{problem->message(), Failed};
+    } else {
+        points = valueOr(pieprobe::readPoints(a.points), Failed);
+    }
     for (const std::string& column : points.ignored)
         if (!a.quiet) say(fmt::format("{}: column \"{}\" is not used", a.points, column));
-    pieprobe::OutFile out;
     if (const auto problem = out.open(a.out)) throw Stop{problem->message(), Failed};
     Lit lit = readScene(a, settings);
+    if (a.sample) {
+        if (const auto problem = drawn.write(pieprobe::randomPoints(*lit.scene, *a.sample, settings.seed)))
+            throw Stop{problem->message(), Failed};
+        points = valueOr(pieprobe::readPoints(a.points), Failed);
+    }
     for (pie::lights::Light& light : added) {
         if (std::holds_alternative<pie::lights::SunLight>(light) && !lit.scene->has(pie::scene::Interaction::Sky))
             say("a sun shines through sky surfaces, and the scene has none: it lights nothing");
         lit.lights.push_back(std::move(light));
     }
     if (lit.lights.empty()) say("there is no light, so all is dark (see --light)");
+    sizeTexels(settings, *lit.scene);
     watch.stage("load");
 
     const std::vector<Placed> placed =

@@ -240,6 +240,30 @@ TEST_F(Pieprobe, TimeIsJson) {
     EXPECT_NEAR(json.at("milliseconds").at("total").get<double>(), sum, 0.02);
 }
 
+TEST_F(Pieprobe, DrawsPointsEvenlyOverWhatCanBeLit) {
+    const std::string drawn = (folder_.path() / "drawn.csv").string();
+    ASSERT_EQ(probe({scene_, drawn, out_, "--sample", "400", "--light", "point 0 0 100 1 1 1", "--frames", "1"}).status,
+              0);
+    const auto rows = rowsOf(readText(drawn));
+    ASSERT_EQ(rows.size(), 400U);
+    int right = 0;
+    for (const Row& row : rows) {
+        EXPECT_EQ(std::stod(row.at("z")), 0.0); // none in the sky
+        EXPECT_EQ(std::stod(row.at("nz")), 1.0);
+        EXPECT_LE(std::abs(std::stod(row.at("y"))), 500.0);
+        right += std::stod(row.at("x")) > 0 ? 1 : 0;
+    }
+    EXPECT_NEAR(right, 200, 50); // five sigma of a coin
+    for (const Row& row : rowsOf(readText(out_))) EXPECT_EQ(row.at("status"), "ok");
+    const std::string first = readText(drawn);
+    ASSERT_EQ(probe({scene_, drawn, out_, "--sample", "400", "--light", "point 0 0 100 1 1 1", "--frames", "1",
+                     "--seed", "3"})
+                  .status,
+              0);
+    EXPECT_NE(readText(drawn), first);
+    EXPECT_EQ(probe({scene_, drawn, out_, "--sample", "0"}).status, 2);
+}
+
 TEST_F(Pieprobe, SaysWhereTheTargetWasNotReached) {
     const CommandResult result = probe({scene_, points_, out_, "--light", "sphere 0 0 10 8 1 1 1", "--reference",
                                         "--target", "0.000001", "--most-paths", "4096"});
