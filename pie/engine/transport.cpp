@@ -114,6 +114,7 @@ struct Transport::State {
     std::uint64_t round = 1;
     bool askedInRound = false;
     std::size_t framesTraced = 0;
+    std::vector<photons::Photon> spent;
     std::atomic<std::uint64_t> lightRevision{0};
     std::mutex mutex; ///< map, cache and statistics: advance() swaps a frame in while no estimate runs
     Statistics statistics;
@@ -191,6 +192,7 @@ void Transport::State::take(std::vector<photons::Photon>&& photons) {
     if (gathering) {
         gathering->add(photons);
         statistics.photonsInMap += photons.size();
+        if (framesTraced + 1 < framesToTrace()) spent = std::move(photons);
     } else {
         map.replaceOldest(std::move(photons));
         map.rebuild();
@@ -222,7 +224,9 @@ bool Transport::advance() {
     // The same indices give the same photons: once every frame is there, a still scene has nothing left to trace.
     const bool tracing = s.framesTraced < s.framesToTrace();
     const auto start = Clock::now();
-    std::vector<photons::Photon> photons;
+    // Summed up, photons are done with: their memory serves the next frame.
+    std::vector<photons::Photon> photons = std::move(s.spent);
+    photons.clear();
     photons::TraceCounts counts;
     if (tracing) {
         const auto perFrame = static_cast<std::uint64_t>(s.settings.photonsFromLight);

@@ -73,13 +73,19 @@ void CachedGather::aim(std::span<const photons::Photon> firstHits) {
 }
 
 void CachedGather::add(std::span<const photons::Photon> photons) {
-    // First hits are direct light: with shadow rays, texels have it from those.
-    std::vector<photons::Photon> first;
-    std::vector<photons::Photon> later;
-    std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first), std::back_inserter(later),
-                        [](const photons::Photon& photon) { return photon.bounce == 0; });
-    light_.add(direct_ ? std::span<const photons::Photon>(later) : photons);
-    if (firstHits_) firstHits_->add(first);
+    // First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.
+    const auto isFirst = [](const photons::Photon& photon) { return photon.bounce == 0; };
+    if (!std::any_of(photons.begin(), photons.end(), isFirst)) {
+        light_.add(photons);
+        if (firstHits_) firstHits_->add({});
+    } else {
+        std::vector<photons::Photon> first;
+        std::vector<photons::Photon> later;
+        std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first), std::back_inserter(later),
+                            isFirst);
+        light_.add(direct_ ? std::span<const photons::Photon>(later) : photons);
+        if (firstHits_) firstHits_->add(first);
+    }
     survey();
     update();
 }

@@ -9,6 +9,7 @@ namespace {
 
 // Paths that advance together: their rays, hits and states stay in the second-level cache.
 constexpr std::size_t chunkPaths = 2048;
+constexpr std::size_t mostKept = 1'000'000; // photons
 // Chunks that are held before they are joined: enough for all threads, and few enough that their memory is used again.
 std::size_t chunksAtOnce() { return std::max<std::size_t>(16, 8 * std::size_t{threads()}); }
 
@@ -54,7 +55,9 @@ TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::v
     const std::size_t grain = std::max<std::size_t>(1, chunkPaths * 16 / std::max<std::size_t>(16, wavefront.widest()));
     const std::size_t firstStored = out.size();
     const std::size_t atOnce = grain * chunksAtOnce();
-    std::vector<WavefrontResult> results;
+    // Kept for the thread's next frame, as memory that is new costs about as much as what is written into it.
+    static thread_local std::vector<WavefrontResult> kept;
+    std::vector<WavefrontResult> results = std::move(kept);
     for (std::uint64_t done = 0; done < count; done += atOnce) {
         const auto batch = static_cast<std::size_t>(std::min<std::uint64_t>(count - done, atOnce));
         results.resize((batch - 1) / grain + 1);
@@ -75,6 +78,7 @@ TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::v
                 results[i].writeTo(out.data() + starts[i], static_cast<std::uint32_t>(starts[i] - firstStored));
         });
     }
+    if (out.size() - firstStored <= mostKept) kept = std::move(results);
     return counts;
 }
 
