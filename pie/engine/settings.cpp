@@ -118,6 +118,7 @@ std::vector<std::string> Settings::warnings() const {
     idle("radius_heuristic_alpha", useRadiusHeuristic, "use_radius_heuristic is off");
     idle("snowball_radius", snowballSize > 1, "snowball_size is 1");
     idle("area", estimator == EstimatorKind::Nearest, "estimator is not nearest");
+    idle("split_maps", estimator != EstimatorKind::Gather || finalGathering, "estimator = gather has no photon map");
     idle("progressive_alpha", searchRadius == gather::RadiusRule::Progressive, "search_radius is not progressive");
     idle("max_search_count", searchRadius != gather::RadiusRule::Fixed || useRadiusHeuristic, "search_radius is fixed");
     idle("use_sphere_slice", searchVolume == gather::SearchVolume::Slice, "search_volume is not slice");

@@ -79,6 +79,7 @@ struct Settings {
     gather::Kernel kernel = gather::Kernel::Epanechnikov;
     gather::AreaEstimate area = gather::AreaEstimate::Disc; ///< of EstimatorKind::Nearest
     PhotonMapKind photonMap = PhotonMapKind::KdTree;
+    maps::SplitBy splitMaps = maps::SplitBy::None;
     int maxSearchCount = 100;
     float maxSearchRadius = 192; ///< units
     gather::RadiusRule searchRadius = gather::RadiusRule::Nearest;

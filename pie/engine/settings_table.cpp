@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 6> areaNames{"pi_r2",   "box",         "o
 constexpr std::array<std::string_view, 4> volumeNames{"sphere", "slice", "cylinder", "ellipsoid"};
 constexpr std::array<std::string_view, 3> radiusNames{"nearest", "fixed", "progressive"};
 constexpr std::array<std::string_view, 2> mapNames{"kd_tree", "exact"};
+constexpr std::array<std::string_view, 4> splitNames{"none", "normal", "cell", "both"};
 constexpr std::array<std::string_view, 2> directNames{"shadow_rays", "photons"};
 constexpr std::array<std::string_view, 2> reflectanceNames{"texture", "compiler"};
 
@@ -172,6 +173,12 @@ constexpr std::array table{
         "kd_tree: search time grows with the logarithm of the photons. exact: looks at every photon, the judge. The "
         "same photons are found.",
         "pi-engine 5.3"},
+    Row{"split_maps", "Irradiance", choice<&Settings::splitMaps>(splitNames), 0, 0, "",
+        "Several photon maps, of which a search looks into those that matter to the receiver. normal: by the direction "
+        "that surfaces face in; photons of surfaces at more than 45 degrees to the receiver do not count. cell: by the "
+        "level's visibility; photons that the receiver cannot see do not count. both: by both. Less light leaks round "
+        "corners and through walls. Searches take 0.6 to 1.2 times as long: true_area gains, pi_r2 hardly.",
+        "pi-engine 5.3.4"},
     Row{"max_search_count", "Irradiance", &Settings::maxSearchCount, 0, 1'000'000, "photons",
         "k: photons in one estimate, at most. More: less noise, more blur, longer searches. 0 gives no indirect light.",
         "pi-engine parameter 4"},

@@ -86,6 +86,13 @@ gather::GatherOptions gatherOptions(const Settings& settings) {
     return options;
 }
 
+/// Null where photons are one map.
+std::shared_ptr<const maps::Partition> partition(const Settings& settings, const scene::Scene& scene,
+                                                 const level::Tree& tree) {
+    if (gathers(settings) || settings.splitMaps == maps::SplitBy::None) return nullptr;
+    return std::make_shared<const maps::Partition>(scene, tree, settings.splitMaps);
+}
+
 /// The paper's estimate cache by index: what a receiver's light was, and of which revision it is.
 struct Cache {
     std::vector<Rgb> irradiance;
@@ -133,7 +140,8 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
       intersector(intersect::makeIntersector(theSettings.intersector, *scene, tree)), settings(theSettings),
       tracer(*scene, lights, *intersector, tracerOptions(theSettings)),
       map(static_cast<std::size_t>(theSettings.accumulationFrames),
-          theSettings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree),
+          theSettings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree,
+          partition(theSettings, *scene, tree)),
       cache(receivers.points.size()) {
     const gather::NearestOptions options = nearestOptions(settings);
     if (settings.directLight == DirectLight::ShadowRays) {
@@ -269,6 +277,9 @@ void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint6
         statistics.directEstimates = direct->receiversComputed();
         statistics.directRays = direct->raysTraced();
     }
+    const maps::Visits visits = estimator->visits();
+    statistics.mapNodesVisited = visits.nodes + visits.leaves;
+    statistics.mapPhotonsVisited = visits.photons;
     for (std::size_t i = 0; i < which.size(); ++i) {
         cache.irradiance[which[i]] = light[i];
         cache.revision[which[i]] = revision;
@@ -336,13 +347,13 @@ void Transport::countUpload(double milliseconds) {
 std::string Statistics::json() const {
     return fmt::format(
         R"({{"frames":{},"frames_traced":{},"photons_emitted":{},"rays_traced":{},"photons_stored":{},"photons_escaped":{},)"
-        R"("photons_in_map":{},"direct_estimates":{},"direct_rays":{},"estimates_made":{},"estimates_reused":{},"gather_rays":{},"unfinished":{},"receivers":{},)"
+        R"("photons_in_map":{},"map_nodes_visited":{},"map_photons_visited":{},"direct_estimates":{},"direct_rays":{},"estimates_made":{},"estimates_reused":{},"gather_rays":{},"unfinished":{},"receivers":{},)"
         R"("drawn_triangles":{},"coarse_triangles":{},"lights":{},"prepare_ms":{:.3f},"trace_ms":{:.3f},"build_ms":{:.3f},)"
         R"("direct_ms":{:.3f},"refine_ms":{:.3f},"estimate_ms":{:.3f},"upload_ms":{:.3f},"scene_bytes":{},"intersector_bytes":{},"map_bytes":{},"receiver_bytes":{},"gather_bytes":{}}})",
-        frames, framesTraced, photonsEmitted, raysTraced, photonsStored, photonsEscaped, photonsInMap, directEstimates,
-        directRays, estimatesMade, estimatesReused, gatherRays, unfinished, receivers, drawnTriangles, coarseTriangles,
-        lights, prepareMs, traceMs, buildMs, directMs, refineMs, estimateMs, uploadMs, sceneBytes, intersectorBytes,
-        mapBytes, receiverBytes, gatherBytes);
+        frames, framesTraced, photonsEmitted, raysTraced, photonsStored, photonsEscaped, photonsInMap, mapNodesVisited,
+        mapPhotonsVisited, directEstimates, directRays, estimatesMade, estimatesReused, gatherRays, unfinished,
+        receivers, drawnTriangles, coarseTriangles, lights, prepareMs, traceMs, buildMs, directMs, refineMs, estimateMs,
+        uploadMs, sceneBytes, intersectorBytes, mapBytes, receiverBytes, gatherBytes);
 }
 
 } // namespace pie::engine

@@ -34,6 +34,7 @@ struct Statistics {
     std::uint64_t framesTraced = 0; ///< of these, frames in which photons were traced
     std::uint64_t photonsEmitted = 0, raysTraced = 0, photonsStored = 0, photonsEscaped = 0;
     std::uint64_t photonsInMap = 0;
+    std::uint64_t mapNodesVisited = 0, mapPhotonsVisited = 0; ///< by searches of the photon map
     std::uint64_t directRays = 0;
     std::uint64_t directEstimates = 0; ///< receivers whose direct light was computed
     std::uint64_t estimatesMade = 0, estimatesReused = 0;
@@ -48,8 +49,8 @@ struct Statistics {
 
 class Transport {
 public:
-    /// Keeps references to `receivers` and `tree` (used by the intersector "bsp" alone; may be empty): both must
-    /// outlive it. Builds intersector and estimators at once.
+    /// Keeps references to `receivers` and `tree` (used by the intersector "bsp" and by `split_maps` alone; may be
+    /// empty): both must outlive it. Builds intersector and estimators at once.
     Transport(std::shared_ptr<const scene::Scene> scene, std::vector<lights::Light> lights, const level::Tree& tree,
               const scene::Receivers& receivers, const Settings& settings);
     ~Transport();

@@ -122,9 +122,50 @@ Vec3 litNormal(const scene::Scene& scene, const photons::Photon& photon) {
     return glm::dot(photon.direction, normal) > 0.0F ? -normal : normal;
 }
 
-TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius,
-                   SearchVolume volume)
-    : scene_(scene), kernel_(kernel), volume_(volume), slice_(slice), maxRadius_(usableRadius(scene, maxRadius)) {
+/// The sides of triangles that can store photons, by visibility cell.
+struct TrueArea::Pieces {
+    scene::Scene scene;
+    std::vector<std::uint8_t> cells; ///< by triangle
+
+    static std::unique_ptr<const Pieces> make(const scene::Scene& whole, const maps::Partition* partition);
+};
+
+std::unique_ptr<const TrueArea::Pieces> TrueArea::Pieces::make(const scene::Scene& whole,
+                                                               const maps::Partition* partition) {
+    if (partition == nullptr || partition->cells() < 2) return nullptr;
+    auto pieces = std::make_unique<Pieces>();
+    std::vector<Vec3> corners;
+    std::vector<Vec3> normals;
+    std::vector<std::uint32_t> materials;
+    const auto cut = [&](std::uint32_t t, bool back) {
+        for (const auto& piece : partition->cut(t, back))
+            for (std::size_t i = 2; i < piece.corners.size(); ++i) {
+                corners.insert(corners.end(), {Vec3(piece.corners[0]), Vec3(piece.corners[back ? i : i - 1]),
+                                               Vec3(piece.corners[back ? i - 1 : i])});
+                normals.push_back(back ? -whole.normals[t] : whole.normals[t]);
+                materials.push_back(whole.triangles[t].material);
+                pieces->cells.push_back(static_cast<std::uint8_t>(piece.cell));
+            }
+    };
+    for (std::uint32_t t = 0; t < whole.triangles.size(); ++t) {
+        if (whole.normals[t] == Vec3(0.0F)) continue;
+        cut(t, false);
+        if (whole.material(t).twoSided) cut(t, true);
+    }
+    std::vector<scene::Material> oneSided = whole.materials;
+    for (scene::Material& material : oneSided) material.twoSided = false;
+    pieces->scene = scene::makeScene(corners, materials, std::move(oneSided));
+    // Those of slivers would be rounding; photons are judged by those of the whole.
+    pieces->scene.normals = std::move(normals);
+    return pieces;
+}
+
+TrueArea::TrueArea(const scene::Scene& whole, Kernel kernel, const SliceOptions& slice, float maxRadius,
+                   SearchVolume volume, std::shared_ptr<const maps::Partition> partition)
+    : partition_(std::move(partition)), pieces_(Pieces::make(whole, partition_.get())),
+      scene_(pieces_ ? pieces_->scene : whole), kernel_(kernel), volume_(volume), slice_(slice),
+      maxRadius_(usableRadius(whole, maxRadius)) {
+    const scene::Scene& scene = scene_;
     if (volume_ == SearchVolume::Sphere) {
         volume_ = SearchVolume::Slice;
         slice_.halfThickness = std::numeric_limits<float>::infinity();
@@ -147,7 +188,8 @@ TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions&
         for (int i = 0; i < 3; ++i) outline.box.extend(scene.corner(t, i));
         outline.normal = scene.normals[t];
         outline.twoSided = scene.material(t).twoSided;
-        const Cells cells = cellsOf(outline.box);
+        if (pieces_) outline.cell = pieces_->cells[t];
+        const GridCells cells = cellsOf(outline.box);
         for (std::size_t axis = 0; axis < 3; ++axis)
             outline.firstCell[axis] = static_cast<std::uint8_t>(cells.first[axis]);
         if (!duplicate[t] && scene.material(t).interaction != scene::Interaction::Sky && scene.normals[t] != Vec3(0.0F))
@@ -157,7 +199,7 @@ TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions&
     // Count, then place: cellBegin_[c] is where the list of cell c begins.
     cellBegin_.assign(std::size_t{counts_[0]} * counts_[1] * counts_[2] + 1, 0);
     const auto forEachCell = [&](std::uint32_t triangle, const auto& visit) {
-        const Cells cells = cellsOf(outlines_[triangle].box);
+        const GridCells cells = cellsOf(outlines_[triangle].box);
         for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
             for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
                 for (std::uint32_t x = cells.first[0]; x <= cells.last[0]; ++x)
@@ -170,8 +212,8 @@ TrueArea::TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions&
     for (const std::uint32_t t : storing) forEachCell(t, [&](std::size_t cell) { cellTriangles_[next[cell]++] = t; });
 }
 
-TrueArea::Cells TrueArea::cellsOf(const Box& box) const {
-    Cells cells;
+TrueArea::GridCells TrueArea::cellsOf(const Box& box) const {
+    GridCells cells;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto i = static_cast<int>(axis);
         const auto last = static_cast<float>(counts_[axis] - 1);
@@ -194,7 +236,7 @@ bool TrueArea::faces(std::uint32_t triangle, const Vec3& normal) const {
 /// Each triangle that faces along the normal and whose cells meet those of the box, once: in the first cell that both
 /// share.
 template <class Visit> void TrueArea::forEachFacing(const Box& box, const Vec3& normal, const Visit& visit) const {
-    const Cells cells = cellsOf(box);
+    const GridCells cells = cellsOf(box);
     for (std::uint32_t z = cells.first[2]; z <= cells.last[2]; ++z)
         for (std::uint32_t y = cells.first[1]; y <= cells.last[1]; ++y)
             for (std::uint32_t x = cells.first[0]; x <= cells.last[0]; ++x) {
@@ -210,8 +252,14 @@ template <class Visit> void TrueArea::forEachFacing(const Box& box, const Vec3& 
             }
 }
 
+TrueArea::~TrueArea() = default;
+
+TrueArea::Cells TrueArea::cellsSeenFrom(const scene::Receiver& at) const {
+    return pieces_ ? partition_->cellsSeenFrom(at) : allCells;
+}
+
 void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const float> radii,
-                         std::span<double> integrals) const {
+                         std::span<double> integrals, Cells cells) const {
     std::fill(integrals.begin(), integrals.end(), 0.0);
     float largest = 0;
     for (const float radius : radii) largest = std::max(largest, radius);
@@ -223,7 +271,7 @@ void TrueArea::integrals(const Vec3& point, const Vec3& normal, std::span<const 
     const float extent = extentSquared(largest);
     const Vec3 reach(std::sqrt(extent));
     forEachFacing({point - reach, point + reach}, normal, [&](std::uint32_t t) {
-        if (squaredDistance(outlines_[t].box, point) >= extent) return;
+        if ((cells >> outlines_[t].cell & 1U) == 0 || squaredDistance(outlines_[t].box, point) >= extent) return;
 
         Polygon polygon;
         double lowest = std::numeric_limits<double>::max();
@@ -267,15 +315,18 @@ float TrueArea::extentSquared(float radius) const {
     return radius * radius + thick * thick;
 }
 
-double TrueArea::integral(const Vec3& point, const Vec3& normal, float radius) const {
+double TrueArea::integral(const Vec3& point, const Vec3& normal, float radius, Cells cells) const {
     double result = 0;
-    integrals(point, normal, {&radius, 1}, {&result, 1});
+    integrals(point, normal, {&radius, 1}, {&result, 1}, cells);
     return result;
 }
 
 std::size_t TrueArea::bytes() const {
     return cellBegin_.capacity() * sizeof(std::uint32_t) + cellTriangles_.capacity() * sizeof(std::uint32_t) +
-           outlines_.capacity() * sizeof(Outline);
+           outlines_.capacity() * sizeof(Outline) +
+           (pieces_ ? scene_.triangles.size() * (sizeof(scene::Triangle) + sizeof(Vec3) + 1) +
+                          scene_.positions.size() * sizeof(Vec3)
+                    : 0);
 }
 
 } // namespace pie::gather

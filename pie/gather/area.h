@@ -13,10 +13,14 @@
 // area always speak of the same surface. Two exceptions remain, both of which count surface that no photon reaches:
 // coplanar triangles that overlap in part (exact duplicates are counted once), and surface hidden inside other
 // geometry.
+//
+// Where photon maps are split by visibility cell, a receiver's photons are those of the cells it may see, and so is its
+// surface: triangles are then cut into pieces by cell, once.
 
 #include "pie/core/vec.h"
 #include "pie/gather/kernel.h"
 #include "pie/gather/search_volume.h"
+#include "pie/maps/partition.h"
 #include "pie/photons/photon.h"
 #include "pie/scene/receivers.h"
 #include "pie/scene/scene.h"
@@ -52,6 +56,10 @@ struct SurfaceTest {
     [[nodiscard]] Side operator()(const photons::Photon& photon) const {
         const float height = glm::dot(photon.position - point, normal);
         if (!(height <= slice.halfThickness && height >= -slice.halfThickness)) return Side::None;
+        return facing(photon);
+    }
+    /// The same, however far the photon is from the receiver's plane.
+    [[nodiscard]] Side facing(const photons::Photon& photon) const {
         const float cosine = glm::dot(litNormal(scene, photon), normal);
         if (cosine > slice.minCosine) return Side::Front;
         return twoSided && -cosine > slice.minCosine ? Side::Back : Side::None;
@@ -61,31 +69,44 @@ struct SurfaceTest {
 class TrueArea {
 public:
     /// Keeps a reference to `scene`. Radii asked for must not be larger than `maxRadius`, which is cut down to the
-    /// diagonal of the scene. A Sphere is a Slice of infinite thickness.
+    /// diagonal of the scene. A Sphere is a Slice of infinite thickness. `partition`: how photons are divided among
+    /// maps; null for one map.
     TrueArea(const scene::Scene& scene, Kernel kernel, const SliceOptions& slice, float maxRadius,
-             SearchVolume volume = SearchVolume::Slice);
+             SearchVolume volume = SearchVolume::Slice, std::shared_ptr<const maps::Partition> partition = nullptr);
+    ~TrueArea();
+    TrueArea(const TrueArea&) = delete;
+    TrueArea& operator=(const TrueArea&) = delete;
     [[nodiscard]] SearchVolume volume() const { return volume_; }
     [[nodiscard]] float maxRadius() const { return maxRadius_; }
     [[nodiscard]] Kernel kernel() const { return kernel_; }
     [[nodiscard]] const SliceOptions& slice() const { return slice_; }
 
-    /// integrals[i]: square units weighted by the kernel of radius radii[i], of the surfaces that face along `normal`.
-    void integrals(const Vec3& point, const Vec3& normal, std::span<const float> radii,
-                   std::span<double> integrals) const;
-    [[nodiscard]] double integral(const Vec3& point, const Vec3& normal, float radius) const;
+    using Cells = maps::VisibilityCells::Set;
+    static constexpr Cells allCells = ~Cells{0};
+    /// Those that the receiver may see; all where there is no partition.
+    [[nodiscard]] Cells cellsSeenFrom(const scene::Receiver& at) const;
+    /// integrals[i]: square units weighted by the kernel of radius radii[i], of the surfaces that face along `normal`
+    /// and lie in one of `cells`.
+    void integrals(const Vec3& point, const Vec3& normal, std::span<const float> radii, std::span<double> integrals,
+                   Cells cells = allCells) const;
+    [[nodiscard]] double integral(const Vec3& point, const Vec3& normal, float radius, Cells cells = allCells) const;
     [[nodiscard]] std::size_t bytes() const;
 
 private:
-    struct Cells {
+    /// Of the grid.
+    struct GridCells {
         std::array<std::uint32_t, 3> first{}, last{}; ///< inclusive
     };
-    [[nodiscard]] Cells cellsOf(const Box& box) const;
+    [[nodiscard]] GridCells cellsOf(const Box& box) const;
     template <class Visit> void forEachFacing(const Box& box, const Vec3& normal, const Visit& visit) const;
     [[nodiscard]] bool faces(std::uint32_t triangle, const Vec3& normal) const;
     /// Square of the largest distance from the receiver within the volume of this radius.
     [[nodiscard]] float extentSquared(float radius) const;
 
-    const scene::Scene& scene_;
+    struct Pieces;
+    std::shared_ptr<const maps::Partition> partition_;
+    std::unique_ptr<const Pieces> pieces_; ///< null: triangles are whole
+    const scene::Scene& scene_;            ///< of the pieces, if there are any
     Kernel kernel_;
     SearchVolume volume_;
     SliceOptions slice_;
@@ -99,7 +120,8 @@ private:
     struct Outline {
         Box box;
         Vec3 normal{0.0F};
-        std::array<std::uint8_t, 3> firstCell{};
+        std::array<std::uint8_t, 3> firstCell{}; ///< of the grid
+        std::uint8_t cell = 0;                   ///< of visibility
         bool twoSided = false;
     };
     std::vector<Outline> outlines_; ///< of all triangles of the scene

@@ -41,7 +41,7 @@ AreaTable::Row AreaTable::makeRow(std::uint32_t receiver, bool back) const {
     for (std::size_t i = 0; i < entries; ++i)
         radii[i] = area_.maxRadius() * std::pow(range, static_cast<float>(i) / static_cast<float>(entries - 1) - 1.0F);
     const scene::Receiver& at = receivers_.points[receiver];
-    area_.integrals(at.position, back ? -at.normal : at.normal, radii, integrals);
+    area_.integrals(at.position, back ? -at.normal : at.normal, radii, integrals, area_.cellsSeenFrom(at));
     Row row{};
     for (std::size_t i = 0; i < entries; ++i) {
         const double disc =

@@ -296,6 +296,7 @@ void FinalGather::explain(std::span<const std::uint32_t> which, std::span<Estima
     });
 }
 
+maps::Visits FinalGather::visits() const { return state_->atHits.visits(); }
 std::uint64_t FinalGather::raysTraced() const { return state_->rays.raysTraced(); }
 std::size_t FinalGather::records() const { return state_->recordOf.size(); }
 std::size_t FinalGather::bytes() const {

@@ -59,6 +59,7 @@ public:
     /// Standard error from the frames of the map and the spread of the rays, in quadrature; `photons` are rays,
     /// `radius` is the mean of the searches at hits.
     void explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const override;
+    [[nodiscard]] maps::Visits visits() const override;
     [[nodiscard]] std::string_view name() const override { return "final_gathering"; }
 
     [[nodiscard]] std::uint64_t raysTraced() const;

@@ -3,6 +3,7 @@
 // call per batch.
 
 #include "pie/core/vec.h"
+#include "pie/maps/nearest.h"
 #include "pie/scene/receivers.h"
 
 #include <cstdint>
@@ -33,6 +34,8 @@ public:
         estimate(which, irradiance);
         for (std::size_t i = 0; i < which.size(); ++i) estimates[i] = {irradiance[i]};
     }
+    /// What its searches of photon maps looked at so far.
+    [[nodiscard]] virtual maps::Visits visits() const { return {}; }
     [[nodiscard]] virtual std::string_view name() const = 0;
 };
 

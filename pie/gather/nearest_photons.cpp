@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 namespace pie::gather {
@@ -40,6 +41,7 @@ struct NearestPhotons::Search {
     float maxRadius = 0;
     std::size_t count = 0;
     bool directOnly = false;
+    maps::Partition::Seen seen; ///< where maps are split
     maps::NearestQueue queue;
     std::vector<maps::Neighbour> found;
     std::span<const Photon> photons; ///< of the map
@@ -83,7 +85,8 @@ NearestPhotons::NearestPhotons(const scene::Scene& scene, const scene::Receivers
     options_.indirectOnly = options.indirectOnly || direct != nullptr;
     options_.progressiveAlpha = std::clamp(options.progressiveAlpha, 0.0F, 1.0F);
     if (options.area != AreaEstimate::True) return;
-    ownArea_ = std::make_unique<TrueArea>(scene, options.kernel, options.slice, options.maxRadius, options.volume);
+    ownArea_ = std::make_unique<TrueArea>(scene, options.kernel, options.slice, options.maxRadius, options.volume,
+                                          map.partition());
     ownTable_ = std::make_unique<AreaTable>(*ownArea_, receivers);
     table_ = ownTable_.get();
     readArea(*ownArea_);
@@ -135,19 +138,22 @@ float NearestPhotons::searchRadius() const {
     return radius;
 }
 
-template <class Map> void NearestPhotons::find(const Map& map, Search& search) const {
+/// Fills the queue from a map, all of whose photons count for the receiver as far as the division of photons into maps
+/// decides it; the exact map has no division and asks each photon.
+template <class Map> void NearestPhotons::ask(const Map& map, Search& search) const {
     const scene::Receiver& at = *search.at;
-    const float thickness =
-        options_.volume == SearchVolume::Sphere ? std::numeric_limits<float>::infinity() : options_.slice.halfThickness;
-    search.volume = {options_.volume, options_.slice.halfThickness, at.position, at.normal};
+    const float thickness = search.volume.halfThickness;
     const VolumeAt volume = search.volume;
     const bool directOnly = search.directOnly;
     const bool indirectOnly = options_.indirectOnly && !directOnly;
+    const maps::Partition* const partition = map_.partition().get();
     const maps::Slab slab{at.normal, thickness};
     // Where the radius that a photon needs is its distance, the plain search is a tenth faster.
     const bool plain = options_.volume == SearchVolume::Slice && thickness < std::numeric_limits<float>::infinity();
     const auto look = [&](const auto& accept) {
         const auto counts = [&](const Photon& photon) {
+            if constexpr (std::is_same_v<Map, maps::ExactMap>)
+                if (partition != nullptr && !search.seen.holds(partition->placeOf(photon))) return false;
             return !(photon.bounce == 0 ? indirectOnly : directOnly) && accept(photon);
         };
         if (plain)
@@ -166,14 +172,34 @@ template <class Map> void NearestPhotons::find(const Map& map, Search& search) c
                 },
                 search.queue);
     };
-    if (table_ != nullptr)
-        look([test = SurfaceTest{scene_, at.position, at.normal, options_.slice, at.twoSided}](const Photon& photon) {
-            return test(photon) != Side::None;
-        });
+    const SurfaceTest test{scene_, at.position, at.normal, options_.slice, at.twoSided};
+    const auto arrives = [&](const Photon& photon) {
+        return !options_.incomingDirection || at.twoSided || glm::dot(photon.direction, at.normal) < 0.0F;
+    };
+    if (search.seen.allFace) {
+        // "Spares the sphere slice calculation" (pi-engine 5.3.4), or at least a look at every photon's triangle.
+        if (table_ != nullptr)
+            look([](const Photon&) { return true; });
+        else
+            look(arrives);
+    } else if (table_ != nullptr) {
+        look([&](const Photon& photon) { return test(photon) != Side::None; });
+    } else if (partition != nullptr && partition->byNormal()) {
+        look([&](const Photon& photon) { return arrives(photon) && test.facing(photon) != Side::None; });
+    } else {
+        look(arrives);
+    }
+}
+
+template <class Map> void NearestPhotons::find(const Map& map, Search& search) const {
+    const scene::Receiver& at = *search.at;
+    search.volume = {options_.volume, options_.slice.halfThickness, at.position, at.normal};
+    if (options_.volume == SearchVolume::Sphere) search.volume.halfThickness = std::numeric_limits<float>::infinity();
+    if (map_.partition() != nullptr) search.seen = map_.partition()->seenFrom(at, options_.slice.minCosine);
+    if constexpr (std::is_same_v<Map, maps::SplitTree>)
+        ask(map.seen(search.seen), search);
     else
-        look([&](const Photon& photon) {
-            return !options_.incomingDirection || at.twoSided || glm::dot(photon.direction, at.normal) < 0.0F;
-        });
+        ask(map, search);
 
     search.photons = map.photons();
     search.found.clear(); // the farthest first, when the queue is full
@@ -243,7 +269,7 @@ double NearestPhotons::areaShare(const Search& search, bool back) const {
     if (search.receiver != scene::noReceiver) return static_cast<double>(table_->share(search.receiver, back, radius));
     const Vec3 normal = back ? -search.at->normal : search.at->normal;
     const double disc = discIntegral(options_.kernel) * search.radius * search.radius;
-    return std::min(area_->integral(search.at->position, normal, radius) / disc,
+    return std::min(area_->integral(search.at->position, normal, radius, search.seen.cells) / disc,
                     static_cast<double>(AreaTable::largestShare));
 }
 
@@ -262,7 +288,13 @@ void NearestPhotons::forEachIn(std::size_t begin, std::size_t end, const At& at,
             if (!search.found.empty()) use(search, i);
         }
     });
+    const maps::Visits& visits = search.queue.visits();
+    counters_.nodes.fetch_add(visits.nodes, std::memory_order_relaxed);
+    counters_.leaves.fetch_add(visits.leaves, std::memory_order_relaxed);
+    counters_.photons.fetch_add(visits.photons, std::memory_order_relaxed);
 }
+
+maps::Visits NearestPhotons::visits() const { return {counters_.nodes, counters_.leaves, counters_.photons}; }
 
 /// The same for receivers by number, in parallel.
 template <class Use> void NearestPhotons::forEach(std::span<const std::uint32_t> which, const Use& use) const {

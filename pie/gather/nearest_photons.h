@@ -13,6 +13,10 @@
 // two-sided receiver are estimated each over their own surface and added. With the others, photons that came from
 // behind the receiver are refused (`incomingDirection`), which keeps out the back of thin walls (3.5.1).
 //
+// Where the map is several (maps::Partition), only those that matter to the receiver are searched. By normal: photons
+// on surfaces that face like the receiver, up to SliceOptions::minCosine, whatever the area; by cell: photons of the
+// cells that the receiver may see. The answer is that of one map with these two conditions as a filter.
+//
 // With fewer than k photons within the largest radius, that is the radius. No photons: 0. Results are finite and not
 // negative whatever the photons carry. Photons that carry the border of what is divided by are left out of the sum
 // (`dropBorder`), above all the k-th: (k - 1)/(pi r_k²) is unbiased where k/(pi r_k²) is k/(k - 1) times too bright.
@@ -33,6 +37,7 @@
 #include "pie/maps/realtime.h"
 #include "pie/scene/scene.h"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 
@@ -58,7 +63,7 @@ struct NearestOptions {
     float heuristicAlpha =
         0.1F; ///< a result below this share of the mean irradiance counts as dark; larger: smaller radius
     SearchVolume volume = SearchVolume::Slice;
-    SliceOptions slice;            ///< of AreaEstimate::True; the others only use its thickness
+    SliceOptions slice; ///< of AreaEstimate::True; the others use its thickness, the cosine with split maps only
     bool incomingDirection = true; ///< but for AreaEstimate::True: photons from behind the receiver do not count
     AreaEstimate area = AreaEstimate::Disc;
     Kernel kernel = Kernel::Constant;
@@ -76,7 +81,7 @@ public:
     NearestPhotons(const scene::Scene& scene, const scene::Receivers& receivers, const maps::RealtimeMap& map,
                    const NearestOptions& options, const Estimator* direct = nullptr);
     /// AreaEstimate::True with a table that others share. `area` brings volume, kernel, slice and largest radius; those
-    /// of `options` are ignored.
+    /// of `options` are ignored. It must know the partition of the map.
     NearestPhotons(const scene::Scene& scene, const scene::Receivers& receivers, const maps::RealtimeMap& map,
                    const NearestOptions& options, const TrueArea& area, const AreaTable& table,
                    const Estimator* direct = nullptr);
@@ -86,6 +91,7 @@ public:
     [[nodiscard]] const SliceOptions& slice() const { return options_.slice; }
     /// Of the area tables that it made itself.
     [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] maps::Visits visits() const override;
     [[nodiscard]] std::string_view name() const override { return table_ != nullptr ? "true_area" : "nearest"; }
     /// The same at any points; AreaEstimate::True computes each area anew, which costs more than the search. Direct
     /// light is not added.
@@ -108,6 +114,7 @@ private:
     [[nodiscard]] bool finds() const;
     [[nodiscard]] double areaShare(const Search& search, bool back) const;
     template <class Map> void find(const Map& map, Search& search) const;
+    template <class Map> void ask(const Map& map, Search& search) const;
     void readArea(const TrueArea& area);
     void weigh(Search& search) const;
     void weighByShape(Search& search, double least) const;
@@ -121,6 +128,11 @@ private:
     const TrueArea* area_ = nullptr;
     const AreaTable* table_ = nullptr;
     const Estimator* direct_;
+    /// Sums of Visits.
+    struct Counters {
+        std::atomic<std::uint64_t> nodes{0}, leaves{0}, photons{0};
+    };
+    mutable Counters counters_;
 };
 
 } // namespace pie::gather

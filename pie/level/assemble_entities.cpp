@@ -111,6 +111,10 @@ void addTree(Level& level, const Bsp& bsp) {
     for (const BspNode& n : bsp.nodes)
         level.tree.nodes.push_back({static_cast<std::uint32_t>(n.plane), n.children, box(n.mins, n.maxs)});
     for (const BspLeaf& l : bsp.leaves) level.tree.leaves.push_back({l.cluster, l.area, box(l.mins, l.maxs)});
+    const BspVisibility& v = bsp.visibility;
+    if (v.clusterCount > 0)
+        level.tree.visibility = {static_cast<std::size_t>(v.clusterCount), static_cast<std::size_t>(v.bytesPerCluster),
+                                 v.bits};
 }
 
 void addFogs(Level& level, const Bsp& bsp, const ShaderLibrary& shaders) {

@@ -67,9 +67,20 @@ struct Tree {
         std::int32_t cluster = -1, area = -1;
         Box bounds;
     };
+    /// What clusters of leaves may see of each other, as the level compiler worked it out: never too little. No
+    /// clusters where it did not.
+    struct Visibility {
+        std::size_t clusters = 0, bytesPerCluster = 0;
+        std::vector<std::uint8_t> bits; ///< a row per cluster, bit c: may see cluster c
+        /// Both below `clusters`.
+        [[nodiscard]] bool sees(std::size_t from, std::size_t to) const {
+            return (bits[from * bytesPerCluster + to / 8] >> (to % 8) & 1U) != 0;
+        }
+    };
     std::vector<Plane> planes;
     std::vector<Node> nodes;
     std::vector<Leaf> leaves;
+    Visibility visibility;
     /// The leaf that holds the point; leaves.size() must not be 0.
     [[nodiscard]] std::size_t leafAt(const Vec3& point) const;
 };

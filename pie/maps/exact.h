@@ -22,6 +22,7 @@ public:
     void nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&& accept, NearestQueue& queue) const {
         queue.reset(k, reachOfRadius(maxRadius));
         if (!isFinite(point)) return;
+        queue.count({0, 0, photons_.size()});
         for (std::size_t i = 0; i < photons_.size(); ++i) {
             const photons::Photon& photon = photons_[i];
             const float d = distanceSquared(photon.position, point);
@@ -43,6 +44,7 @@ public:
                    Measure&& measure, NearestQueue& queue) const {
         queue.reset(k, reachOfRadius(maxRadius));
         if (!isFinite(point)) return;
+        queue.count({0, 0, photons_.size()});
         for (std::size_t i = 0; i < photons_.size(); ++i) {
             const photons::Photon& photon = photons_[i];
             const float d = distanceSquared(photon.position, point);

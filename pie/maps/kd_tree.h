@@ -1,40 +1,25 @@
 #pragma once
-// The kd-tree: photons halved at the median along the longest axis until a leaf holds stopRecursionSize (pi-engine
-// 5.3.2), searched without recursion and without allocating (5.3.3).
+// The kd-tree over all photons (pi-engine 5.3.2, 5.3.3); how it is built and searched is KdIndex's.
 //
-// `build`, then ask from as many threads as you like. Answers are those of ExactMap, bit for bit: halves are cut in the
-// total order of (coordinate, number), distances are computed in one order of operations, and a part is skipped only
-// where rounding, too, puts every photon of it past the reach of the search. Photons with a position that is not
-// finite are kept but never found.
-//
-// Three things make it fast. A node stands for two halvings: it holds the tight bounding boxes of its four quarters
-// side by side, so that all four distances take a few vector instructions; tight boxes rather than cutting planes,
-// because photons lie on surfaces and most of a half is empty. And positions lie in tree order in blocks of
-// stopRecursionSize per axis; the photon itself is only read when it is near enough. And where only a slice of the ball
-// can be accepted (Slab), boxes and positions outside it are skipped before anyone is asked.
+// `build`, then ask from as many threads as you like. Answers are those of ExactMap, bit for bit. Photons with a
+// position that is not finite are kept but never found.
 
-#include "pie/maps/nearest.h"
+#include "pie/maps/kd_index.h"
 
-#include <array>
-#include <bit>
 #include <cstddef>
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 namespace pie::maps {
 
 class KdTree {
 public:
-    static constexpr std::size_t stopRecursionSize = 16; ///< photons in a leaf at most
+    static constexpr std::size_t stopRecursionSize = KdIndex::stopRecursionSize; ///< photons in a leaf at most
 
     /// At most 2^32 - 1 photons. The tree depends on the photons only, not on the number of threads.
     void build(std::vector<photons::Photon> photons);
     /// Hands the photons back and leaves the map empty, so that their memory can be filled again.
     [[nodiscard]] std::vector<photons::Photon> release();
     [[nodiscard]] std::span<const photons::Photon> photons() const { return photons_; }
-    [[nodiscard]] const Box& bounds() const { return bounds_; } ///< of the photons with finite positions
+    [[nodiscard]] const Box& bounds() const { return index_.bounds(); } ///< of the photons with finite positions
     [[nodiscard]] std::size_t bytes() const;
 
     /// The k nearest photons within maxRadius (its surface included) for which accept(photon) is true. It is asked
@@ -59,242 +44,29 @@ public:
     template <class Visitor> void forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const;
 
 private:
-    static constexpr std::size_t width = 4; ///< children of a node
-    /// Boxes by axis and child. Those of absent children are NaN: never near.
-    struct alignas(32) Node {
-        std::array<std::array<float, width>, 3> lower, upper;
-        std::uint32_t
-            firstChild; ///< nodes first, then leaves: from nodes_.size() on, leaf number child − nodes_.size()
-    };
-    struct alignas(64) Leaf {
-        std::array<std::array<float, stopRecursionSize>, 3> position; ///< by axis; unused slots are NaN: never near
-        std::array<std::uint32_t, stopRecursionSize> number;          ///< in photons()
-    };
-    /// A part of the tree that waits to be searched.
-    struct Waiting {
-        float distance;
-        std::uint32_t part;
-    };
-    /// 2^32 photons in leaves that are at least half full make 29 halvings, so 15 nodes on the way down; each leaves
-    /// three quarters waiting and one is under way.
-    static constexpr std::size_t mostWaiting = 3 * 15 + 1;
-
-    template <class Reach, class Candidate>
-    void search(const Vec3& point, const Slab* slab, const Reach& reach, const Candidate& candidate) const;
-    static std::uint32_t near(const Leaf& leaf, const Vec3& point, float reach,
-                              std::array<float, stopRecursionSize>& distance);
-    static std::uint32_t near(const Node& node, const Vec3& point, float reach, std::array<float, width>& distance);
-    static std::uint32_t within(const Leaf& leaf, const Vec3& point, const Slab& slab);
-    static std::uint32_t within(const Node& node, const Vec3& point, const Slab& slab);
-    /// Rounding of a height over the plane, relative to the coordinates it is made of: a slab is never cut too thin.
-    static constexpr float slack = 1e-6F;
-
-    struct Item;
-    struct Builder;
-
     std::vector<photons::Photon> photons_;
-    std::vector<Node> nodes_; ///< level by level, the root first; empty when one leaf holds all
-    std::vector<Leaf> leaves_;
-    Box bounds_;
+    KdIndex index_; ///< numbers in photons_
 };
-
-/// Bit i is set when slot i lies within reach; `distance` gets the squared distances.
-inline std::uint32_t KdTree::near(const Leaf& leaf, const Vec3& point, float reach,
-                                  std::array<float, stopRecursionSize>& distance) {
-    std::uint32_t mask = 0;
-#if defined(__SSE2__)
-    const __m128 px = _mm_set1_ps(point.x);
-    const __m128 py = _mm_set1_ps(point.y);
-    const __m128 pz = _mm_set1_ps(point.z);
-    const __m128 limit = _mm_set1_ps(reach);
-    for (unsigned i = 0; i < stopRecursionSize; i += 4) {
-        const __m128 x = _mm_sub_ps(_mm_load_ps(&leaf.position[0][i]), px);
-        const __m128 y = _mm_sub_ps(_mm_load_ps(&leaf.position[1][i]), py);
-        const __m128 z = _mm_sub_ps(_mm_load_ps(&leaf.position[2][i]), pz);
-        const __m128 d = _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, x), _mm_mul_ps(y, y)), _mm_mul_ps(z, z));
-        _mm_store_ps(&distance[i], d);
-        mask |= static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(d, limit))) << i;
-    }
-#else
-    for (unsigned i = 0; i < stopRecursionSize; ++i) {
-        distance[i] = distanceSquared({leaf.position[0][i], leaf.position[1][i], leaf.position[2][i]}, point);
-        mask |= static_cast<std::uint32_t>(distance[i] <= reach) << i;
-    }
-#endif
-    return mask;
-}
-
-/// The same for the boxes of a node's children. Rounded like distanceSquared, which only grows with each coordinate:
-/// never more than the distance of any photon in the box.
-inline std::uint32_t KdTree::near(const Node& node, const Vec3& point, float reach,
-                                  std::array<float, width>& distance) {
-#if defined(__SSE2__)
-    __m128 sum = _mm_setzero_ps();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<std::size_t>(axis);
-        const __m128 p = _mm_set1_ps(point[axis]);
-        const __m128 below = _mm_sub_ps(_mm_load_ps(node.lower[i].data()), p);
-        const __m128 above = _mm_sub_ps(p, _mm_load_ps(node.upper[i].data()));
-        // The second operand wins when one is NaN.
-        const __m128 gap = _mm_max_ps(_mm_setzero_ps(), _mm_max_ps(below, above));
-        sum = _mm_add_ps(sum, _mm_mul_ps(gap, gap));
-    }
-    _mm_store_ps(distance.data(), sum);
-    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(sum, _mm_set1_ps(reach))));
-#else
-    std::uint32_t mask = 0;
-    for (std::size_t child = 0; child < width; ++child) {
-        float sum = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            const float below = node.lower[i][child] - point[axis];
-            const float above = point[axis] - node.upper[i][child];
-            const float outside = below > above ? below : above;
-            const float gap = 0.0F > outside ? 0.0F : outside; // NaN stays NaN
-            sum += gap * gap;
-        }
-        distance[child] = sum;
-        mask |= static_cast<std::uint32_t>(sum <= reach) << child;
-    }
-    return mask;
-#endif
-}
-
-/// Bit i is set when slot i may lie in the slab.
-inline std::uint32_t KdTree::within(const Leaf& leaf, const Vec3& point, const Slab& slab) {
-    std::uint32_t mask = 0;
-#if defined(__SSE2__)
-    const __m128 sign = _mm_set1_ps(-0.0F);
-    const __m128 limit = _mm_set1_ps(slab.halfThickness);
-    for (unsigned i = 0; i < stopRecursionSize; i += 4) {
-        __m128 height = _mm_setzero_ps();
-        __m128 size = _mm_setzero_ps();
-        for (int axis = 0; axis < 3; ++axis) {
-            const __m128 p = _mm_load_ps(&leaf.position[static_cast<std::size_t>(axis)][i]);
-            const __m128 part = _mm_mul_ps(_mm_sub_ps(p, _mm_set1_ps(point[axis])), _mm_set1_ps(slab.normal[axis]));
-            height = _mm_add_ps(height, part);
-            size = _mm_add_ps(size, _mm_andnot_ps(sign, part));
-        }
-        const __m128 least = _mm_sub_ps(_mm_andnot_ps(sign, height), _mm_mul_ps(size, _mm_set1_ps(slack)));
-        mask |= static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmpngt_ps(least, limit))) << i;
-    }
-#else
-    for (unsigned i = 0; i < stopRecursionSize; ++i) {
-        float height = 0;
-        float size = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float part = (leaf.position[static_cast<std::size_t>(axis)][i] - point[axis]) * slab.normal[axis];
-            height += part;
-            size += part < 0.0F ? -part : part;
-        }
-        mask |= static_cast<std::uint32_t>(!((height < 0.0F ? -height : height) - size * slack > slab.halfThickness))
-                << i;
-    }
-#endif
-    return mask;
-}
-
-/// The same for the boxes of a node's children.
-inline std::uint32_t KdTree::within(const Node& node, const Vec3& point, const Slab& slab) {
-#if defined(__SSE2__)
-    const __m128 sign = _mm_set1_ps(-0.0F);
-    __m128 lowest = _mm_setzero_ps();
-    __m128 highest = _mm_setzero_ps();
-    __m128 size = _mm_setzero_ps();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<std::size_t>(axis);
-        const __m128 p = _mm_set1_ps(point[axis]);
-        const __m128 n = _mm_set1_ps(slab.normal[axis]);
-        const __m128 a = _mm_mul_ps(_mm_sub_ps(_mm_load_ps(node.lower[i].data()), p), n);
-        const __m128 b = _mm_mul_ps(_mm_sub_ps(_mm_load_ps(node.upper[i].data()), p), n);
-        lowest = _mm_add_ps(lowest, _mm_min_ps(a, b));
-        highest = _mm_add_ps(highest, _mm_max_ps(a, b));
-        size = _mm_add_ps(size, _mm_max_ps(_mm_andnot_ps(sign, a), _mm_andnot_ps(sign, b)));
-    }
-    const __m128 margin = _mm_add_ps(_mm_set1_ps(slab.halfThickness), _mm_mul_ps(size, _mm_set1_ps(slack)));
-    const __m128 above = _mm_cmpngt_ps(lowest, margin);
-    const __m128 below = _mm_cmpngt_ps(_mm_sub_ps(_mm_setzero_ps(), highest), margin);
-    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_and_ps(above, below)));
-#else
-    std::uint32_t mask = 0;
-    for (std::size_t child = 0; child < width; ++child) {
-        float lowest = 0;
-        float highest = 0;
-        float size = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            const float a = (node.lower[i][child] - point[axis]) * slab.normal[axis];
-            const float b = (node.upper[i][child] - point[axis]) * slab.normal[axis];
-            lowest += a < b ? a : b;
-            highest += a < b ? b : a;
-            size += (a < 0.0F ? -a : a) + (b < 0.0F ? -b : b);
-        }
-        const float margin = slab.halfThickness + size * slack;
-        mask |= static_cast<std::uint32_t>(!(lowest > margin) && !(-highest > margin)) << child;
-    }
-    return mask;
-#endif
-}
-
-/// Walks the leaves that can hold something within reach(), nearest parts first. candidate(number, distanceSquared)
-/// may shrink the reach.
-template <class Reach, class Candidate>
-void KdTree::search(const Vec3& point, const Slab* slab, const Reach& reach, const Candidate& candidate) const {
-    if (leaves_.empty() || !isFinite(point) || !(reach() >= 0.0F)) return;
-    std::array<Waiting, mostWaiting> stack; // NOLINT(cppcoreguidelines-pro-type-member-init): filled as it grows
-    std::size_t waiting = 0;
-    alignas(64) std::array<float, stopRecursionSize> distance;
-    alignas(16) std::array<float, width> gap;
-    const auto nodeCount = static_cast<std::uint32_t>(nodes_.size());
-    std::uint32_t part = 0;
-    for (;;) {
-        if (part < nodeCount) {
-            const Node& node = nodes_[part];
-            const std::size_t below = waiting;
-            std::uint32_t mask = near(node, point, reach(), gap);
-            if (slab != nullptr && mask != 0) mask &= within(node, point, *slab);
-            for (; mask != 0; mask &= mask - 1) {
-                const auto child = static_cast<std::size_t>(std::countr_zero(mask));
-                // Nearest on top; of equals the lower number.
-                std::size_t at = waiting++;
-                for (; at > below && stack[at - 1].distance <= gap[child]; --at) stack[at] = stack[at - 1];
-                stack[at] = {gap[child], node.firstChild + static_cast<std::uint32_t>(child)};
-            }
-        } else {
-            const Leaf& leaf = leaves_[part - nodeCount];
-            std::uint32_t mask = near(leaf, point, reach(), distance);
-            if (slab != nullptr && mask != 0) mask &= within(leaf, point, *slab);
-            for (; mask != 0; mask &= mask - 1) {
-                const auto slot = static_cast<std::size_t>(std::countr_zero(mask));
-                if (distance[slot] <= reach()) candidate(leaf.number[slot], distance[slot]);
-            }
-        }
-        do {
-            if (waiting == 0) return;
-            part = stack[--waiting].part;
-        } while (!(stack[waiting].distance <= reach()));
-    }
-}
 
 template <class Accept>
 void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&& accept, NearestQueue& queue) const {
     queue.reset(k, reachOfRadius(maxRadius));
-    search(
+    queue.count(index_.search(
         point, nullptr, [&] { return queue.reach(); },
         [&](std::uint32_t number, float d) {
             if (accept(photons_[number])) queue.offer({d, number});
-        });
+        }));
 }
 
 template <class Accept>
 void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
                      NearestQueue& queue) const {
     queue.reset(k, reachOfRadius(maxRadius));
-    search(
+    queue.count(index_.search(
         point, &slab, [&] { return queue.reach(); },
         [&](std::uint32_t number, float d) {
             if (accept(photons_[number])) queue.offer({d, number});
-        });
+        }));
 }
 
 template <class Measure>
@@ -302,17 +74,17 @@ void KdTree::nearestBy(const Vec3& point, std::size_t k, float maxRadius, const 
                        Measure&& measure, NearestQueue& queue) const {
     queue.reset(k, reachOfRadius(maxRadius));
     const bool flat = slab.halfThickness < std::numeric_limits<float>::infinity();
-    search(
+    queue.count(index_.search(
         point, flat ? &slab : nullptr, [&] { return queue.reach() < 0.0F ? -1.0F : queue.reach() + surplus; },
         [&](std::uint32_t number, float d) {
             const float measured = measure(photons_[number], d);
             if (measured >= 0.0F) queue.offer({measured, number});
-        });
+        }));
 }
 
 template <class Visitor> void KdTree::forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const {
     const float reach = reachOfRadius(radius);
-    search(
+    index_.search(
         point, nullptr, [&] { return reach; }, [&](std::uint32_t number, float d) { visitor(photons_[number], d); });
 }
 

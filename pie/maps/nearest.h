@@ -55,6 +55,18 @@ struct Slab {
     return v.x * 0.0F == 0.0F && v.y * 0.0F == 0.0F && v.z * 0.0F == 0.0F;
 }
 
+/// What searches looked at.
+struct Visits {
+    std::uint64_t nodes = 0;   ///< of four boxes each
+    std::uint64_t leaves = 0;  ///< of up to 16 positions each
+    std::uint64_t photons = 0; ///< near enough to be read, whether accepted or not
+    void add(const Visits& more) {
+        nodes += more.nodes;
+        leaves += more.leaves;
+        photons += more.photons;
+    }
+};
+
 /// Keeps the k smallest neighbours offered. A plain list until it is full, a max-heap from then on. `reset` allocates
 /// only when k grows past what it has seen and the photons found past what it had to hold.
 class NearestQueue {
@@ -78,6 +90,8 @@ public:
     [[nodiscard]] bool full() const { return k_ > 0 && found_.size() == k_; }
     /// The k-th nearest. Only when full.
     [[nodiscard]] const Neighbour& farthest() const { return found_.front(); }
+    void count(const Visits& visits) { visits_.add(visits); }
+    [[nodiscard]] const Visits& visits() const { return visits_; } ///< of all searches since the queue was made
 
 private:
     void makeHeap();
@@ -90,6 +104,7 @@ private:
     std::vector<Neighbour> found_;
     std::size_t k_ = 0;
     float reach_ = -1;
+    Visits visits_;
 };
 
 /// Sinks the hole to the bottom along the larger children, then lifts the value: it nearly always belongs near the

@@ -6,9 +6,12 @@ namespace pie::maps {
 
 using photons::Photon;
 
-RealtimeMap::RealtimeMap(std::size_t accumulationFrames, Search search)
-    : frames_(std::max<std::size_t>(1, accumulationFrames)) {
-    if (search == Search::Exact) map_.emplace<ExactMap>();
+RealtimeMap::RealtimeMap(std::size_t accumulationFrames, Search search, std::shared_ptr<const Partition> partition)
+    : frames_(std::max<std::size_t>(1, accumulationFrames)), partition_(std::move(partition)) {
+    if (search == Search::Exact)
+        map_.emplace<ExactMap>();
+    else if (partition_ != nullptr)
+        map_.emplace<SplitTree>(partition_);
 }
 
 void RealtimeMap::setAccumulationFrames(std::size_t count) {

@@ -7,12 +7,16 @@
 // its share of its own frame's light; `fluxScale`, one over the frames present, makes the sum of the map the light of
 // one frame, so a map that is still filling is right from the first frame on, only noisier.
 //
+// With a Partition the tree is several (SplitTree), and whoever searches has to say which of them matter.
+//
 // Between replacing and rebuilding, searches still see the last rebuilt state.
 
 #include "pie/maps/exact.h"
 #include "pie/maps/kd_tree.h"
+#include "pie/maps/split_tree.h"
 
 #include <cstddef>
+#include <memory>
 #include <variant>
 
 namespace pie::maps {
@@ -24,7 +28,11 @@ enum class Search : std::uint8_t {
 
 class RealtimeMap {
 public:
-    explicit RealtimeMap(std::size_t accumulationFrames = 1, Search search = Search::KdTree);
+    /// `partition` may be null: one map.
+    explicit RealtimeMap(std::size_t accumulationFrames = 1, Search search = Search::KdTree,
+                         std::shared_ptr<const Partition> partition = nullptr);
+    /// How photons are divided; null for one map. Search::Exact stays one map, and whoever searches asks each photon.
+    [[nodiscard]] const std::shared_ptr<const Partition>& partition() const { return partition_; }
 
     [[nodiscard]] std::size_t accumulationFrames() const { return frames_.size(); }
     /// Keeps the newest frames. 0 counts as 1.
@@ -55,7 +63,7 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> frameEnds() const { return frameEnds_; }
     [[nodiscard]] Box bounds() const;
     [[nodiscard]] std::size_t bytes() const;
-    /// Calls use(map) with the KdTree or the ExactMap of the last rebuild.
+    /// Calls use(map) with the KdTree, the ExactMap or the SplitTree of the last rebuild.
     template <class Use> decltype(auto) visit(Use&& use) const { return std::visit(std::forward<Use>(use), map_); }
 
 private:
@@ -65,7 +73,8 @@ private:
     };
     std::vector<Frame> frames_;
     std::uint64_t arrivals_ = 0;
-    std::variant<KdTree, ExactMap> map_;
+    std::shared_ptr<const Partition> partition_;
+    std::variant<KdTree, ExactMap, SplitTree> map_;
     std::vector<std::uint32_t> frameEnds_;
     std::uint64_t revision_ = 0;
     float fluxScale_ = 0;

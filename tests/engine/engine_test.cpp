@@ -74,6 +74,33 @@ TEST(Engine, SameSeedGivesTheSameBitsOnAnyNumberOfThreadsAndInEveryRun) {
     }
 }
 
+TEST(Engine, SeveralMapsLookAtFewerPhotonsAndGiveTheSameLight) {
+    Settings settings = quickSettings();
+    settings.estimator = EstimatorKind::TrueArea;
+    std::vector<Rgb> light[2];
+    Statistics statistics[2];
+    for (const bool split : {false, true}) {
+        settings.splitMaps = split ? maps::SplitBy::Both : maps::SplitBy::None;
+        Engine engine(makeRoomLevel(), settings);
+        while (engine.advance()) {}
+        const auto which = all(engine);
+        light[split].resize(which.size());
+        engine.irradiance(which, light[split]);
+        statistics[split] = engine.statistics();
+        EXPECT_TRUE(sameBits(settledLight(settings, 1), light[split])) << "threads";
+    }
+    for (std::size_t i = 0; i < light[0].size(); ++i) EXPECT_FLOAT_EQ(light[0][i].x, light[1][i].x) << i;
+    EXPECT_GT(statistics[1].mapPhotonsVisited, 0U);
+    EXPECT_LT(statistics[1].mapPhotonsVisited, statistics[0].mapPhotonsVisited);
+    settings.estimator = EstimatorKind::Gather;
+    Engine gather(makeRoomLevel(), settings);
+    while (gather.advance()) {}
+    const auto which = all(gather);
+    gather.irradiance(which, light[0]);
+    EXPECT_EQ(gather.statistics().mapNodesVisited, 0U) << "the gather has no map";
+    EXPECT_EQ(gather.statistics().mapBytes, 0U);
+}
+
 TEST(Engine, AStillSceneIsTracedOncePerFrameOfThePoolAndThenCostsNothing) {
     Settings settings = quickSettings();
     settings.estimator = EstimatorKind::TrueArea;

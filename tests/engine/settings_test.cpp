@@ -264,6 +264,12 @@ TEST(Settings, WarnsOfSettingsThatDoNothing) {
     EXPECT_THAT(s.warnings(), ElementsAre(HasSubstr("store_direct_light")));
     ASSERT_TRUE(s.setOptions("direct_light=shadow_rays"));
     EXPECT_FALSE(s.storesDirectLight());
+    Settings split;
+    ASSERT_TRUE(split.setOptions("split_maps=both"));
+    EXPECT_EQ(split.splitMaps, maps::SplitBy::Both);
+    EXPECT_THAT(split.warnings(), ElementsAre(AllOf(HasSubstr("split_maps"), HasSubstr("no photon map"))));
+    ASSERT_TRUE(split.setOptions("estimator=nearest"));
+    EXPECT_THAT(split.warnings(), IsEmpty());
 }
 
 TEST_F(SettingsFile, AllKinds) {

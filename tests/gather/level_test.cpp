@@ -22,6 +22,7 @@ struct Shipped {
     std::unique_ptr<intersect::Intersector> intersector;
     lights::LightSet lights;
     scene::Receivers receivers; ///< about 200, spread over the level
+    level::Tree tree;
 
     explicit Shipped(const std::string& name) {
         auto loaded = level::loadLevel({pie::test::GameData::instance().files, "maps/" + name + ".bsp"});
@@ -35,6 +36,7 @@ struct Shipped {
         const std::size_t step = std::max<std::size_t>(1, everywhere.points.size() / 200);
         for (std::size_t i = 0; i < everywhere.points.size(); i += step)
             receivers.points.push_back(everywhere.points[i]);
+        tree = level.tree;
     }
 };
 
@@ -101,6 +103,44 @@ TEST(ShippedLevel, EstimatesAreFiniteAndTheTreeAgreesWithTheExactMap) {
         }
     }
     EXPECT_GT(lit, 100);
+}
+
+TEST(ShippedLevel, SeveralMapsAgreeWithTheExactMapAndLookAtFewerPhotons) {
+    PIE_NEED_GAME_DATA();
+    const Shipped level("oa_dm1");
+    std::vector<photons::Photon> photons;
+    photons::PhotonTracer(*level.scene, level.lights, *level.intersector, {}).trace(0, 5000, photons);
+    const auto partition = std::make_shared<const maps::Partition>(*level.scene, level.tree, maps::SplitBy::Both);
+    ASSERT_GT(partition->cells(), 30U) << "the level has visibility";
+    maps::RealtimeMap whole;
+    maps::RealtimeMap split(1, maps::Search::KdTree, partition);
+    maps::RealtimeMap exact(1, maps::Search::Exact, partition);
+    for (maps::RealtimeMap* map : {&whole, &split, &exact}) {
+        map->replaceOldest(std::vector(photons));
+        map->rebuild();
+    }
+    const std::vector<std::uint32_t> which = test::all(level.receivers);
+    for (const AreaEstimate area : {AreaEstimate::Disc, AreaEstimate::True}) {
+        NearestOptions options;
+        options.area = area;
+        std::vector<std::vector<Rgb>> results;
+        std::vector<maps::Visits> visits;
+        for (const maps::RealtimeMap* map : {&whole, &split, &exact}) {
+            const NearestPhotons estimator(*level.scene, level.receivers, *map, options);
+            results.emplace_back(which.size());
+            estimator.estimate(which, results.back());
+            visits.push_back(estimator.visits());
+        }
+        std::size_t lit = 0;
+        for (std::size_t i = 0; i < which.size(); ++i) {
+            EXPECT_FLOAT_EQ(results[1][i].x, results[2][i].x) << i;
+            if (results[1][i].x > 0.0F) ++lit;
+        }
+        EXPECT_GT(lit, 50U);
+        EXPECT_LT(visits[1].photons, visits[0].photons);
+        EXPECT_LT(visits[0].photons, visits[2].photons);
+        EXPECT_EQ(visits[2].nodes + visits[2].leaves, 0U);
+    }
 }
 
 } // namespace
