@@ -89,7 +89,8 @@ float TexelRays::addAimed(const scene::Receiver& receiver, unsigned count, std::
         Target& target = targets.emplace_back();
         if (!(all > 0.0F)) continue;
         const std::uint64_t random = mixed(seed + i * 0x9e3779b97f4a7c15ULL);
-        const float wanted = (static_cast<float>(i / 2) + unit(random)) / static_cast<float>(strata) * all;
+        const unsigned stratum = i / 2;
+        const float wanted = (static_cast<float>(stratum) + unit(random)) / static_cast<float>(strata) * all;
         const auto found = std::upper_bound(sums.begin(), sums.end(), wanted);
         const auto number = std::min<std::size_t>(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1);
         const std::uint32_t texel = bright_.texel(number);
@@ -102,7 +103,8 @@ float TexelRays::addAimed(const scene::Receiver& receiver, unsigned count, std::
         ray.origin = receiver.inset + side * offset_ * receiver.normal;
         const Vec3 to = point - ray.origin;
         const float distance = glm::length(to);
-        if (!(distance > 0.0F)) continue;
+        // A texel in the receiver's own plane lies below where rays start: no ray of the hemisphere gets there.
+        if (!(distance > 0.0F && side * glm::dot(receiver.normal, to) > 0.0F)) continue;
         ray.direction = to / distance;
         ray.tMax = std::numeric_limits<float>::infinity();
         target = {texel, point};
