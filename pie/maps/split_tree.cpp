@@ -8,7 +8,7 @@
 namespace pie::maps {
 namespace {
 
-constexpr std::size_t grain = 4096; // photons
+constexpr std::size_t photonsAtOnce = 4096;
 
 } // namespace
 
@@ -70,7 +70,7 @@ void SplitTree::build(std::vector<photons::Photon> photons) {
         if (isFinite(p)) items.push_back({{p.x, p.y, p.z}, static_cast<std::uint32_t>(i)});
     }
     std::vector<Partition::Place> places(items.size());
-    parallelChunks(items.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(items.size(), photonsAtOnce, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) places[i] = partition_->placeOf(photons_[items[i].number]);
     });
     const std::vector<std::size_t> begins = divide(items, places);
