@@ -65,6 +65,7 @@ public:
             for (const Path& path : paths) askSoft(path);
         if (shared_.options.recursionDepth == 0) paths.clear();
         std::vector<Ray> rays;
+        rays.reserve(paths.size());
         for (Path& path : paths) rays.push_back(leave(path));
         while (!paths.empty()) {
             std::vector<Path> nextPaths;
@@ -218,7 +219,7 @@ Start makeStart(const Shared& shared, const Vec3& position, const Vec3& normal, 
         const unsigned rays = sharp ? 1 : pilotRays;
         double largest = sharp ? 0.0 : shared.sources->guess(s, start.point);
         for (unsigned k = 0; k < rays; ++k) {
-            const Vec2 u(sampling::hash01(mix(address, s), 2 * k), sampling::hash01(mix(address, s), 2 * k + 1));
+            const Vec2 u(sampling::hash01(mix(address, s), 2ULL * k), sampling::hash01(mix(address, s), 2ULL * k + 1));
             const auto way = shared.sources->sample(s, start.point, sharp ? Vec2(0.5F) : u);
             Ray ray;
             if (!rayTo(shared, s, start.point, way, ray)) continue;

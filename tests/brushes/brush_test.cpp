@@ -229,8 +229,9 @@ TEST(Visible, TurnedBoxesLoseWhatLiesInside) {
                 for (int k = 0; k < n * n; ++k) {
                     glm::dvec3 p;
                     p[face / 2] = face % 2 == 0 ? half : -half;
+                    const int row = k / n;
                     p[(face / 2 + 1) % 3] = half * ((k % n + 0.5) / n * 2 - 1);
-                    p[(face / 2 + 2) % 3] = half * ((k / n + 0.5) / n * 2 - 1);
+                    p[(face / 2 + 2) % 3] = half * ((row + 0.5) / n * 2 - 1);
                     const glm::dvec3 q = glm::abs(toOther * (toWorld * p + at - otherAt));
                     if (q.x < otherHalf && q.y < otherHalf && q.z < otherHalf) ++inside;
                 }

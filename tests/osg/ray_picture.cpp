@@ -135,8 +135,9 @@ RayPicture castPicture(const Level& level, const Shot& shot) {
         Rgb sum(0.0F);
         bool known = true;
         for (int ray = 0; ray < raysPerSide * raysPerSide && known; ++ray) {
+            const int row = ray / raysPerSide;
             const double dx = (ray % raysPerSide + 0.5) / raysPerSide;
-            const double dy = (ray / raysPerSide + 0.5) / raysPerSide;
+            const double dy = (row + 0.5) / raysPerSide;
             const osg::Vec3d far = osg::Vec3d(2 * (static_cast<double>(x) + dx) / shot.width - 1,
                                               1 - 2 * (static_cast<double>(y) + dy) / shot.height, 1) *
                                    toWorld;

@@ -26,13 +26,13 @@ struct Map {
 
 std::vector<Map> maps() {
     std::vector<Map> all{
-        {"sphere", uniformSphere, [](Vec3) { return uniformSpherePdf(); }, invertUniformSphere, -1.0},
+        {"sphere", uniformSphere, [](const Vec3&) { return uniformSpherePdf(); }, invertUniformSphere, -1.0},
         {"hemisphere", cosineHemisphere, cosineHemispherePdf, invertCosineHemisphere, 0.0},
         {"polar hemisphere", polarCosineHemisphere, cosineHemispherePdf, invertPolarCosineHemisphere, 0.0}};
     for (const float cosMax : {0.9F, 0.0F, -0.5F})
-        all.push_back({"cone " + std::to_string(cosMax), [=](Vec2 u) { return uniformCone(u, cosMax); },
-                       [=](Vec3 d) { return d.z >= cosMax ? uniformConePdf(cosMax) : 0.0; },
-                       [=](Vec3 d) { return invertUniformCone(d, cosMax); }, cosMax});
+        all.push_back({"cone " + std::to_string(cosMax), [=](const Vec2& u) { return uniformCone(u, cosMax); },
+                       [=](const Vec3& d) { return d.z >= cosMax ? uniformConePdf(cosMax) : 0.0; },
+                       [=](const Vec3& d) { return invertUniformCone(d, cosMax); }, cosMax});
     return all;
 }
 
@@ -114,7 +114,7 @@ TEST(Directions, SamplesFollowTheirPdf) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> uniform(0.0F, belowOne);
     for (const Map& map : maps()) {
-        std::vector<double> observed(zBins * angleBins, 0.0);
+        std::vector<double> observed(std::size_t{zBins} * angleBins, 0.0);
         std::vector<double> expected;
         const double height = (1.0 - map.lowest) / zBins;
         for (int i = 0; i < count; ++i) {
@@ -137,8 +137,8 @@ TEST(Directions, DiscIsUniformAndInvertible) {
     constexpr int count = 100'000;
     std::mt19937 random(8);
     std::uniform_real_distribution<float> uniform(0.0F, belowOne);
-    std::vector<double> observed(bins * bins, 0.0);
-    const std::vector<double> expected(bins * bins, static_cast<double>(count) / (bins * bins));
+    std::vector<double> observed(std::size_t{bins} * bins, 0.0);
+    const std::vector<double> expected(std::size_t{bins} * bins, static_cast<double>(count) / (bins * bins));
     for (int i = 0; i < count; ++i) {
         const Vec2 u(uniform(random), uniform(random));
         const Vec2 p = concentricDisc(u);
@@ -163,8 +163,8 @@ TEST(Directions, TriangleIsUniformAndInvertible) {
     constexpr int count = 100'000;
     std::mt19937 random(9);
     std::uniform_real_distribution<float> uniform(0.0F, belowOne);
-    std::vector<double> observed(rows * rows, 0.0);
-    const std::vector<double> expected(rows * rows, static_cast<double>(count) / (rows * rows));
+    std::vector<double> observed(std::size_t{rows} * rows, 0.0);
+    const std::vector<double> expected(std::size_t{rows} * rows, static_cast<double>(count) / (rows * rows));
     for (int i = 0; i < count; ++i) {
         const Vec2 u(uniform(random), uniform(random));
         const Vec2 w = uniformTriangle(u);
