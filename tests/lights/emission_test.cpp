@@ -42,13 +42,13 @@ protected:
         std::mt19937 random(99);
         std::uniform_real_distribution<float> u(0.0F, 0x1.fffffep-1F);
         const SkyPortals portals = skyPortals(scene);
-        std::array<test::Moments, cells * cells> fallen;
+        std::array<test::Moments, std::size_t{cells} * cells> fallen;
         test::Moments total;
         for (std::size_t i = 0; i < photons; ++i) {
             const Emission e = emit(light, scene, portals, {u(random), u(random), u(random), u(random)});
             total.add(e.flux.y);
             ASSERT_NEAR(glm::length(e.direction), 1.0F, 1e-5F);
-            std::array<double, cells * cells> deposit{};
+            std::array<double, std::size_t{cells} * cells> deposit{};
             const float cosine = -glm::dot(e.direction, plane.normal);
             const float t = glm::dot(e.origin - plane.origin, plane.normal) / cosine;
             if (t > 0.0F && std::isfinite(t) && (cosine > 0.0F || plane.twoSided)) {

@@ -125,8 +125,10 @@ TEST(PluginGeometry, CurvedPatchLiesOnItsCurve) {
         for (int column = 0; column < 3; ++column)
             arch.emplace_back(static_cast<float>(column) * 32, static_cast<float>(row) * 32, row == 1 ? 64 : 0);
     builder.patch(builder.shader("t/arch"), 3, 3, arch);
-    for (std::size_t i = 0; i < 9; ++i) // as the compiler writes them
-        builder.raw().vertices[i].normal = glm::normalize(Vec3(0, 2.0F * (static_cast<float>(i / 3) - 1), 1));
+    for (std::size_t i = 0; i < 9; ++i) { // as the compiler writes them
+        const std::size_t row = i / 3;
+        builder.raw().vertices[i].normal = glm::normalize(Vec3(0, 2.0F * (static_cast<float>(row) - 1), 1));
+    }
     const auto triangles = read(builder, "view=baked patch_tolerance=0.25");
     ASSERT_GT(triangles.size(), 8U);
     for (const DrawnTriangle& triangle : triangles) {
