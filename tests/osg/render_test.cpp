@@ -46,8 +46,8 @@ protected:
         const std::array<Vec3, 4> corners{Vec3(96, 96, -half), Vec3(160, 96, -half), Vec3(160, 160, -half),
                                           Vec3(96, 160, -half)};
         for (std::size_t i = 0; i < corners.size(); ++i) {
-            const Vec3 a = corners.at(i);
-            const Vec3 b = corners.at((i + 1) % corners.size());
+            const Vec3& a = corners.at(i);
+            const Vec3& b = corners.at((i + 1) % corners.size());
             builder.polygon(plain, {a, b, {b.x, b.y, half}, {a.x, a.y, half}}, 0);
         }
         builder.polygon(builder.shader("t/grating"), {{-192, 64, -half}, {-64, 64, -half}, {-64, 64, 0}, {-192, 64, 0}},
@@ -60,7 +60,7 @@ protected:
         return game_.addLevel("room", builder.build());
     }
     [[nodiscard]] static Shot inside() { return lookingAt({0, -240, 0}, {0, 0, -40}); }
-    [[nodiscard]] Picture shoot(const std::string& options, Shot shot = inside()) const {
+    [[nodiscard]] Picture shoot(const std::string& options, const Shot& shot = inside()) const {
         const osg::ref_ptr<osg::Node> node = readNode(level(), options);
         return node ? render(*node, shot) : Picture{};
     }
