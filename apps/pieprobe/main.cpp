@@ -155,7 +155,7 @@ pie::engine::Settings settingsOf(const Arguments& a) {
     return settings;
 }
 
-/// In a level texels half as large as for pictures.
+/// In scenes as large as a level texels half as large as for pictures.
 void sizeTexels(pie::engine::Settings& settings, const pie::scene::Scene& scene) {
     constexpr float largest = 32;
     if (settings.origin("texel_size") == pie::engine::Source::Default &&

@@ -79,7 +79,6 @@ gather::GatherOptions gatherOptions(const Settings& settings) {
     gather::GatherOptions options;
     options.texels.edge = settings.texelSize;
     options.rays = static_cast<unsigned>(settings.gatherRays);
-    options.aim = settings.aimedRays;
     options.reflections = static_cast<unsigned>(settings.recursionDepth);
     options.standardErrors = settings.standardErrors;
     options.seed = settings.seed;
@@ -121,7 +120,7 @@ struct Transport::State {
     std::uint64_t round = 1;
     bool askedInRound = false;
     std::size_t framesTraced = 0;
-    std::vector<photons::Photon> spent;
+    std::vector<photons::Photon> spent; ///< memory for the next frame of a gather
     std::atomic<std::uint64_t> lightRevision{0};
     std::mutex mutex; ///< map, cache and statistics: advance() swaps a frame in while no estimate runs
     Statistics statistics;
@@ -130,6 +129,7 @@ struct Transport::State {
           const scene::Receivers& receivers, const Settings& theSettings);
     void estimate(std::span<const std::uint32_t> which, std::uint64_t revision);
     [[nodiscard]] std::size_t framesToTrace() const;
+    void aim(gather::CachedGather& gather);
     void take(std::vector<photons::Photon>&& photons);
     bool refine();
 };
@@ -158,15 +158,7 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
         auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
                                                              gatherOptions(settings));
         gathering = gather.get();
-        if (settings.recursionDepth > 0 && settings.aimedRays) {
-            photons::TracerOptions first = tracerOptions(settings);
-            first.recursionDepth = 0;
-            first.storeDirectLight = true;
-            std::vector<photons::Photon> hits;
-            photons::PhotonTracer(*scene, lights, *intersector, first)
-                .trace(0, static_cast<std::uint64_t>(settings.photonsFromLight), hits);
-            gather->aim(hits);
-        }
+        if (settings.recursionDepth > 0 && settings.aimedRays) aim(*gather);
         estimator = std::move(gather);
         asked.assign(receivers.points.size(), 0);
     } else {
@@ -180,6 +172,19 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
     statistics.receivers = receivers.points.size();
     statistics.receiverBytes = cache.bytes() + receivers.points.size() * sizeof(scene::Receiver) +
                                receivers.ofVertex.size() * sizeof(std::uint32_t);
+}
+
+/// Enough photons to tell what is bright, however many a frame has.
+void Transport::State::aim(gather::CachedGather& gather) {
+    constexpr std::uint64_t most = 100'000;
+    photons::TracerOptions options = tracerOptions(settings);
+    options.recursionDepth = 0;
+    options.storeDirectLight = true;
+    const photons::PhotonTracer firstHits(*scene, lights, *intersector, options);
+    std::vector<photons::Photon> hits;
+    const auto perFrame = static_cast<std::uint64_t>(settings.photonsFromLight);
+    statistics.raysTraced += firstHits.trace(0, std::min(perFrame, most), hits).rays;
+    gather.aim(hits);
 }
 
 Transport::Transport(std::shared_ptr<const scene::Scene> scene, std::vector<lights::Light> lights,

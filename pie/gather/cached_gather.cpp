@@ -68,9 +68,7 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
 
 CachedGather::~CachedGather() = default;
 
-void CachedGather::aim(std::span<const photons::Photon> firstHits) {
-    if (options_.aim && options_.reflections > 0) bright_.choose(firstHits);
-}
+void CachedGather::aim(std::span<const photons::Photon> firstHits) { bright_.choose(firstHits); }
 
 void CachedGather::add(std::span<const photons::Photon> photons) {
     // First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.

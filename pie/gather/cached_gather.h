@@ -44,7 +44,6 @@ struct GatherOptions {
     /// Reflections that light arrives by, at most. 0: direct light alone, nothing is gathered. 1: texels do not gather
     /// themselves. More: as many as the photons bring, which must have one less; beside edges one more.
     unsigned reflections = 8;
-    bool aim = true;             ///< a quarter as many rays again at bright texels, once aim() has told which they are
     bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
     std::uint64_t seed = 0;
 };
@@ -58,7 +57,8 @@ public:
                  const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options);
     ~CachedGather() override;
 
-    /// Where lights shine: first hits of one frame of photons. Before anything is refined, or not at all.
+    /// Where lights shine: first hits of some photons. From then on a quarter as many rays again are aimed at what is
+    /// bright there. Before anything is refined, or not at all.
     void aim(std::span<const photons::Photon> firstHits);
     /// One more frame of photons, in the order of their indices.
     void add(std::span<const photons::Photon> photons);

@@ -2,6 +2,7 @@
 
 #include "pie/gather/numbers.h"
 #include "pie/sampling/directions.h"
+#include "pie/sampling/hash.h"
 
 #include <algorithm>
 #include <bit>
@@ -29,8 +30,6 @@ std::uint64_t seedOf(const scene::Receiver& receiver, std::uint64_t seed) {
             x = mixed(x ^ std::bit_cast<std::uint32_t>(f + 0.0F)) + 0x9e3779b97f4a7c15ULL;
     return x;
 }
-
-float unit(std::uint64_t bits) { return static_cast<float>(bits >> 40U) * 0x1p-24F; }
 
 /// Every other bit of x.
 std::uint32_t compact(std::uint32_t x) {
@@ -66,11 +65,11 @@ void TexelRays::addHemisphere(const scene::Receiver& receiver, unsigned n, std::
             const std::uint64_t random =
                 mixed(seed + (2 * std::uint64_t{i} + (side < 0.0F ? 1 : 0)) * 0x9e3779b97f4a7c15ULL);
             const unsigned stratum = i / 2;
-            const Vec2 u((static_cast<float>(compact(stratum)) + unit(random)) / columns,
-                         (static_cast<float>(compact(stratum >> 1U)) + unit(random << 24U)) / rows);
+            const Vec2 u((static_cast<float>(compact(stratum)) + sampling::toUnit(random)) / columns,
+                         (static_cast<float>(compact(stratum >> 1U)) + sampling::toUnit(random << 24U)) / rows);
             Ray ray;
             ray.origin = receiver.inset + offset_ * frame.normal;
-            ray.direction = frame.toWorld(sampling::cosineHemisphere(glm::min(u, Vec2(0x1.fffffep-1F))));
+            ray.direction = frame.toWorld(sampling::cosineHemisphere(glm::min(u, Vec2(sampling::belowOne))));
             rays.push_back(ray);
         }
     }
@@ -90,13 +89,14 @@ float TexelRays::addAimed(const scene::Receiver& receiver, unsigned count, std::
         if (!(all > 0.0F)) continue;
         const std::uint64_t random = mixed(seed + i * 0x9e3779b97f4a7c15ULL);
         const unsigned stratum = i / 2;
-        const float wanted = (static_cast<float>(stratum) + unit(random)) / static_cast<float>(strata) * all;
+        const float wanted =
+            (static_cast<float>(stratum) + sampling::toUnit(random)) / static_cast<float>(strata) * all;
         const auto found = std::upper_bound(sums.begin(), sums.end(), wanted);
         const auto number = std::min<std::size_t>(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1);
         const std::uint32_t texel = bright_.texel(number);
         const unsigned points = texels_.pointsPerTexel();
         const auto which =
-            std::min(points - 1, static_cast<unsigned>(unit(random << 24U) * static_cast<float>(points)));
+            std::min(points - 1, static_cast<unsigned>(sampling::toUnit(random << 24U) * static_cast<float>(points)));
         const Vec3 point = texels_.points().points[std::size_t{texel} * points + which].position;
         const float side = glm::dot(receiver.normal, point - receiver.inset) < 0.0F ? -1.0F : 1.0F;
         if (side < 0.0F && !receiver.twoSided) continue;
@@ -182,7 +182,7 @@ void TexelRays::trace(std::vector<Ray>& rays, std::span<TexelHit> hits) const {
                 // By roulette, as the photons do: what passes goes on, what does not meets the surface.
                 const std::uint64_t random =
                     mixed(std::bit_cast<std::uint32_t>(hit.t) * 0x9e3779b97f4a7c15ULL + hit.triangle);
-                if (unit(random) < meanChannel(scene_.transmittance(hit.triangle, hit.u, hit.v))) {
+                if (sampling::toUnit(random) < meanChannel(scene_.transmittance(hit.triangle, hit.u, hit.v))) {
                     rays[kept] = rays[i];
                     rays[kept].tMin = std::nextafter(hit.t * (1 + 1e-5F), std::numeric_limits<float>::max());
                     number[kept++] = number[i];

@@ -50,36 +50,28 @@ private:
 
 template <class Accept>
 void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, Accept&& accept, NearestQueue& queue) const {
-    queue.reset(k, reachOfRadius(maxRadius));
-    queue.count(index_.search(
-        point, nullptr, [&] { return queue.reach(); },
-        [&](std::uint32_t number, float d) {
-            if (accept(photons_[number])) queue.offer({d, number});
-        }));
+    const auto search = [&](const auto& reach, const auto& candidate) {
+        return index_.search(point, nullptr, reach, candidate);
+    };
+    collectNearest(search, photons_, k, maxRadius, accept, queue);
 }
 
 template <class Accept>
 void KdTree::nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
                      NearestQueue& queue) const {
-    queue.reset(k, reachOfRadius(maxRadius));
-    queue.count(index_.search(
-        point, &slab, [&] { return queue.reach(); },
-        [&](std::uint32_t number, float d) {
-            if (accept(photons_[number])) queue.offer({d, number});
-        }));
+    const auto search = [&](const auto& reach, const auto& candidate) {
+        return index_.search(point, &slab, reach, candidate);
+    };
+    collectNearest(search, photons_, k, maxRadius, accept, queue);
 }
 
 template <class Measure>
 void KdTree::nearestBy(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, float surplus,
                        Measure&& measure, NearestQueue& queue) const {
-    queue.reset(k, reachOfRadius(maxRadius));
-    const bool flat = slab.halfThickness < std::numeric_limits<float>::infinity();
-    queue.count(index_.search(
-        point, flat ? &slab : nullptr, [&] { return queue.reach() < 0.0F ? -1.0F : queue.reach() + surplus; },
-        [&](std::uint32_t number, float d) {
-            const float measured = measure(photons_[number], d);
-            if (measured >= 0.0F) queue.offer({measured, number});
-        }));
+    const auto search = [&](const auto& reach, const auto& candidate) {
+        return index_.search(point, slab.limits() ? &slab : nullptr, reach, candidate);
+    };
+    collectNearestBy(search, photons_, k, maxRadius, surplus, measure, queue);
 }
 
 template <class Visitor> void KdTree::forEachWithin(const Vec3& point, float radius, Visitor&& visitor) const {

@@ -135,25 +135,19 @@ Visits SplitTree::search(const Partition::Seen& seen, const Vec3& point, const S
 template <class Accept>
 void SplitTree::Some::nearest(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, Accept&& accept,
                               NearestQueue& queue) const {
-    queue.reset(k, reachOfRadius(maxRadius));
-    queue.count(tree_.search(
-        seen_, point, &slab, [&] { return queue.reach(); },
-        [&](std::uint32_t number, float d) {
-            if (accept(tree_.photons_[number])) queue.offer({d, number});
-        }));
+    const auto search = [&](const auto& reach, const auto& candidate) {
+        return tree_.search(seen_, point, &slab, reach, candidate);
+    };
+    collectNearest(search, tree_.photons_, k, maxRadius, accept, queue);
 }
 
 template <class Measure>
 void SplitTree::Some::nearestBy(const Vec3& point, std::size_t k, float maxRadius, const Slab& slab, float surplus,
                                 Measure&& measure, NearestQueue& queue) const {
-    queue.reset(k, reachOfRadius(maxRadius));
-    const bool flat = slab.halfThickness < std::numeric_limits<float>::infinity();
-    queue.count(tree_.search(
-        seen_, point, flat ? &slab : nullptr, [&] { return queue.reach() < 0.0F ? -1.0F : queue.reach() + surplus; },
-        [&](std::uint32_t number, float d) {
-            const float measured = measure(tree_.photons_[number], d);
-            if (measured >= 0.0F) queue.offer({measured, number});
-        }));
+    const auto search = [&](const auto& reach, const auto& candidate) {
+        return tree_.search(seen_, point, slab.limits() ? &slab : nullptr, reach, candidate);
+    };
+    collectNearestBy(search, tree_.photons_, k, maxRadius, surplus, measure, queue);
 }
 
 } // namespace pie::maps

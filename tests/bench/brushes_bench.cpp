@@ -5,25 +5,15 @@
 #include "pie/brushes/compile.h"
 #include "pie/core/parallel.h"
 #include "pie/level/level.h"
+#include "tests/bench/timing.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <limits>
 #include <map>
 #include <string>
-
-namespace {
-
-double cpuMilliseconds() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-} // namespace
 
 int main(int argc, char** argv) {
     using namespace pie;
@@ -43,14 +33,14 @@ int main(int argc, char** argv) {
     double compile = parse;
     std::vector<level::StageTime> stages;
     for (int i = 0; i < runs; ++i) {
-        const double start = cpuMilliseconds();
+        const double start = bench::processorMilliseconds();
         const Result<brushes::MapText> map = brushes::parseMap(text, argv[1]);
         if (!map) return 1;
-        const double parsed = cpuMilliseconds();
+        const double parsed = bench::processorMilliseconds();
         const Result<brushes::CompiledMap> compiled = brushes::compileMap(*map, argv[1], location->files, shaders);
         if (!compiled) return 1;
         parse = std::min(parse, parsed - start);
-        compile = std::min(compile, cpuMilliseconds() - parsed);
+        compile = std::min(compile, bench::processorMilliseconds() - parsed);
         if (stages.empty()) stages = compiled->times;
         for (std::size_t s = 0; s < stages.size(); ++s)
             stages[s].second = std::min(stages[s].second, compiled->times[s].second);

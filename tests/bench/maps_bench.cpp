@@ -8,6 +8,7 @@
 #include "pie/core/parallel.h"
 #include "pie/maps/exact.h"
 #include "pie/maps/kd_tree.h"
+#include "tests/bench/timing.h"
 
 #include <fmt/format.h>
 #include <nanoflann.hpp>
@@ -15,14 +16,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
-#include <functional>
 #include <random>
 #include <vector>
 
 namespace {
 
 using pie::Vec3;
+using pie::bench::median;
+using pie::bench::milliseconds;
 using pie::photons::Photon;
 
 constexpr float radius = 192;
@@ -57,23 +58,6 @@ Vec3 place(std::mt19937& random) {
     default: p.z = 256; break;
     }
     return origin + p;
-}
-
-/// Processor time, so that what else runs on the machine counts less.
-double milliseconds(const std::function<void()>& work) {
-    const auto now = [] {
-        timespec time{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-        return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-    };
-    const double begin = now();
-    work();
-    return now() - begin;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
 }
 
 std::size_t argument(int count, char** arguments, int number, std::size_t otherwise) {

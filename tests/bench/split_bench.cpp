@@ -19,14 +19,13 @@
 #include "pie/photons/tracer.h"
 #include "pie/reference/path_tracer.h"
 #include "pie/scene/mesh.h"
+#include "tests/bench/timing.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
-#include <functional>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -34,6 +33,8 @@
 namespace {
 
 using pie::Rgb;
+using pie::bench::median;
+using pie::bench::milliseconds;
 using pie::gather::AreaEstimate;
 using pie::gather::NearestOptions;
 using pie::gather::NearestPhotons;
@@ -44,23 +45,6 @@ using pie::photons::Photon;
 
 constexpr SplitBy kinds[] = {SplitBy::None, SplitBy::Normal, SplitBy::Cell, SplitBy::Both};
 constexpr const char* names[] = {"none", "normal", "cell", "both"};
-
-/// Processor time, so that what else runs on the machine counts less.
-double milliseconds(const std::function<void()>& work) {
-    const auto now = [] {
-        timespec time{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-        return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-    };
-    const double begin = now();
-    work();
-    return now() - begin;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 struct Level {
     pie::level::Level level;

@@ -15,13 +15,13 @@
 #include "pie/gather/final_gather.h"
 #include "pie/photons/tracer.h"
 #include "pie/sampling/directions.h"
+#include "tests/bench/timing.h"
 #include "tests/gather/scenes.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -47,12 +47,6 @@ constexpr float watts = 1e6F;
 constexpr int cells = 8; ///< between vertices of the wall
 constexpr std::uint64_t perFrame = 10'000;
 constexpr std::uint64_t mostRuns = 16;
-
-double processorTime() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 double exactDirect(const Vec3& point) {
     const float distance = glm::length(point - 0.5F * side);
@@ -229,10 +223,10 @@ Ask fromPhotons(const Cube& cube, const NearestOptions& options) {
         const NearestPhotons estimator(*cube.scene, cube.receivers, map, options);
         std::vector<Rgb> irradiance(which.size());
         estimator.estimate(which, irradiance); // makes the area tables, once for all frames
-        const double start = processorTime();
         constexpr int times = 5;
-        for (int i = 0; i < times; ++i) estimator.estimate(which, irradiance);
-        const double seconds = (processorTime() - start) / times;
+        const double seconds = 1e-3 / times * pie::bench::milliseconds([&] {
+                                   for (int i = 0; i < times; ++i) estimator.estimate(which, irradiance);
+                               });
         estimator.explain(which, found);
         return seconds;
     };
@@ -317,9 +311,7 @@ void gather() {
             const pie::gather::FinalGather estimator(*cube.scene, *cube.intersector, cube.receivers, map, nearest,
                                                      options, &cube.lights);
             std::vector<Rgb> irradiance(which.size());
-            const double start = processorTime();
-            estimator.estimate(which, irradiance);
-            const double seconds = processorTime() - start;
+            const double seconds = 1e-3 * pie::bench::milliseconds([&] { estimator.estimate(which, irradiance); });
             for (std::size_t i = 0; i < which.size(); ++i) found[i].irradiance = irradiance[i];
             return seconds;
         };

@@ -9,38 +9,22 @@
 #include "pie/core/parallel.h"
 #include "pie/lights/import.h"
 #include "pie/photons/tracer.h"
+#include "tests/bench/timing.h"
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace {
 
+using pie::bench::median;
+using pie::bench::milliseconds;
 using pie::intersect::Hit;
 using pie::intersect::Ray;
-
-/// Processor time, so that what else runs on the machine counts less.
-double seconds(const std::function<void()>& work) {
-    const auto now = [] {
-        timespec time{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-    };
-    const double begin = now();
-    work();
-    return now() - begin;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
 
 /// Keeps the rays of every batch it passes on.
 class Recorder final : public pie::intersect::Intersector {
@@ -174,13 +158,13 @@ bool benchmark(const std::string& name, std::uint64_t photons, std::size_t round
     Times times;
     std::size_t sink = 0;
     for (std::size_t round = 0; round < rounds; ++round) {
-        times.tracer.push_back(seconds([&] {
+        times.tracer.push_back(milliseconds([&] {
             stored.clear();
             tracer.trace(0, photons, stored);
         }));
-        times.single.push_back(seconds([&] { sink += bare.single(rays); }));
-        times.packets.push_back(seconds([&] { sink += bare.packets(rays); }));
-        times.intersector.push_back(seconds([&] {
+        times.single.push_back(milliseconds([&] { sink += bare.single(rays); }));
+        times.packets.push_back(milliseconds([&] { sink += bare.packets(rays); }));
+        times.intersector.push_back(milliseconds([&] {
             for (const auto& batch : recorder.batches) embree->closest(batch, std::span(hits).first(batch.size()));
         }));
     }
@@ -193,8 +177,8 @@ bool benchmark(const std::string& name, std::uint64_t photons, std::size_t round
         "\"intersector\": {:.1f}, \"bareSingle\": {:.1f}, \"barePackets\": {:.1f}}}, \"ratioToBareSingle\": {:.3f}, "
         "\"ratioToFasterBare\": {:.3f}}}\n",
         name, scene->triangles.size(), lights.lights().size(), photons, counts.stored, rays.size(), rounds,
-        static_cast<double>(counts.stored) / own, 1e9 * own / count, 1e9 * median(times.intersector) / count,
-        1e9 * median(times.single) / count, 1e9 * median(times.packets) / count, median(times.single) / own,
+        1e3 * static_cast<double>(counts.stored) / own, 1e6 * own / count, 1e6 * median(times.intersector) / count,
+        1e6 * median(times.single) / count, 1e6 * median(times.packets) / count, median(times.single) / own,
         std::min(median(times.single), median(times.packets)) / own);
     return sink > 0;
 }

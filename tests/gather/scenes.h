@@ -1,12 +1,15 @@
 #pragma once
 // Small scenes made by hand, and points on them.
 
+#include "pie/gather/gather.h"
 #include "pie/scene/receivers.h"
 #include "pie/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace pie::gather::test {
@@ -120,5 +123,14 @@ private:
     double total_ = 0;
     std::vector<double> cumulative_;
 };
+
+/// Of estimates whose mean channel is off by no more than their standard error.
+inline double shareWithin(std::span<const Estimate> estimates, std::span<const Rgb> truth) {
+    std::size_t within = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        if (std::abs(meanChannel(estimates[i].irradiance) - meanChannel(truth[i])) <= estimates[i].standardError)
+            ++within;
+    return static_cast<double>(within) / static_cast<double>(truth.size());
+}
 
 } // namespace pie::gather::test
