@@ -2,8 +2,9 @@
 
 #include "pie/core/parallel.h"
 #include "pie/gather/area.h"
-#include "pie/gather/cell_split.h"
+#include "pie/gather/texel_pieces.h"
 #include "pie/sampling/directions.h"
+#include "pie/sampling/hash.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,42 +23,15 @@ constexpr float smallestCoverage = 1.0F / 16;
 // Walls stand on round numbers, so the grid does not: a wall in the very border of two cells would be in either.
 constexpr glm::dvec3 gridShift{0.3711, 0.4142, 0.4327};
 
-/// Axis (0 to 2) and sign of what a surface faces along: 2 · axis, plus one when negative.
-unsigned facing(const glm::dvec3& normal) {
-    const glm::dvec3 size = glm::abs(normal);
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    return static_cast<unsigned>(2 * axis) + (normal[axis] < 0 ? 1U : 0U);
-}
-
-std::uint64_t keyOf(const glm::ivec3& cell, unsigned direction) {
-    const auto bits = [](int c) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(c) & 0xfffffU); };
-    return bits(cell.x) | bits(cell.y) << 20U | bits(cell.z) << 40U | std::uint64_t{direction} << 60U;
-}
-
-glm::ivec3 cellOf(std::uint64_t key) {
-    const auto coordinate = [](std::uint64_t bits) { return static_cast<int>(bits & 0xfffffU); };
-    return {coordinate(key), coordinate(key >> 20U), coordinate(key >> 40U)};
-}
-
-std::uint64_t parentKey(std::uint64_t key) { return keyOf(cellOf(key) / 2, static_cast<unsigned>(key >> 60U)); }
+std::uint64_t parentKey(std::uint64_t key) { return texelKey(texelCell(key) / 2, static_cast<unsigned>(key >> 60U)); }
 
 /// Numbers in [0, 1) with an address.
 float hashed(std::uint64_t key, std::uint64_t number) {
     std::uint64_t x = key * 0x9e3779b97f4a7c15ULL + number * 0xd1b54a32d192ed03ULL + 0x2545f4914f6cdd1dULL;
     x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
     x = (x ^ (x >> 27U)) * 0x94d049bb133111ebULL;
-    x ^= x >> 31U;
-    return static_cast<float>(x >> 40U) * 0x1p-24F;
+    return sampling::toUnit(x ^ x >> 31U);
 }
-
-/// A triangle of surface within one cell.
-struct Piece {
-    std::uint64_t key = 0;
-    std::uint32_t triangle = 0, texel = 0;
-    Vec3 corner{0.0F}, side1{0.0F}, side2{0.0F};
-    float area = 0;
-    bool back = false;
-};
 
 } // namespace
 
@@ -77,65 +51,6 @@ struct SurfaceTexels::Index {
 };
 
 namespace {
-
-bool keepsLight(const scene::Scene& scene, std::size_t triangle) {
-    return scene.material(triangle).interaction != scene::Interaction::Sky && scene.normals[triangle] != Vec3(0.0F);
-}
-
-void cutTriangle(const scene::Scene& scene, std::uint32_t triangle, const glm::dvec3& origin, double scale,
-                 unsigned direction, std::vector<Piece>& out) {
-    CellPolygon polygon;
-    for (int i = 0; i < 3; ++i) polygon.add((glm::dvec3(scene.corner(triangle, i)) - origin) * scale);
-    const bool twoSided = scene.material(triangle).twoSided;
-    forEachCell(polygon, [&](const glm::ivec3& cell, const CellPolygon& part) {
-        for (std::size_t i = 2; i < part.count; ++i) {
-            Piece piece;
-            const glm::dvec3 side1 = (part.corners[i - 1] - part.corners[0]) / scale;
-            const glm::dvec3 side2 = (part.corners[i] - part.corners[0]) / scale;
-            piece.area = static_cast<float>(0.5 * glm::length(glm::cross(side1, side2)));
-            if (!(piece.area > 0.0F)) continue;
-            piece.triangle = triangle;
-            piece.key = keyOf(cell, direction);
-            piece.corner = Vec3(part.corners[0] / scale + origin);
-            piece.side1 = Vec3(side1);
-            piece.side2 = Vec3(side2);
-            out.push_back(piece);
-            if (!twoSided) continue;
-            piece.key = keyOf(cell, direction ^ 1U);
-            piece.back = true;
-            out.push_back(piece);
-        }
-    });
-}
-
-/// Pieces in the order of the triangles; false when there would be too many.
-bool cutAll(const scene::Scene& scene, const glm::dvec3& origin, double scale, std::span<const std::uint8_t> direction,
-            std::size_t most, std::vector<Piece>& pieces) {
-    constexpr std::size_t trianglesPerTask = 256;
-    const std::size_t count = scene.triangles.size();
-    std::vector<std::vector<Piece>> parts((count + trianglesPerTask - 1) / trianglesPerTask);
-    parallelChunks(count, trianglesPerTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t)
-            if (direction[t] != 255)
-                cutTriangle(scene, static_cast<std::uint32_t>(t), origin, scale, direction[t],
-                            parts[begin / trianglesPerTask]);
-    });
-    std::size_t size = 0;
-    for (const auto& part : parts) size += part.size();
-    if (size > most * 8) return false;
-    pieces.clear();
-    pieces.reserve(size);
-    for (const auto& part : parts) pieces.insert(pieces.end(), part.begin(), part.end());
-    return true;
-}
-
-std::size_t cellsOf(std::span<const Piece> pieces) {
-    std::vector<std::uint64_t> keys;
-    keys.reserve(pieces.size());
-    for (const Piece& piece : pieces) keys.push_back(piece.key);
-    std::sort(keys.begin(), keys.end());
-    return static_cast<std::size_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
-}
 
 /// What is summed up over a cell.
 struct Sum {
@@ -172,16 +87,16 @@ std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums,
         const std::uint32_t own = find(i);
         if (sums[own].area >= static_cast<double>(SurfaceTexels::mergeBelow) * edge * edge) continue;
         std::uint32_t best = own;
-        const glm::ivec3 cell = cellOf(sums[i].key);
+        const glm::ivec3 cell = texelCell(sums[i].key);
         const auto direction = static_cast<unsigned>(sums[i].key >> 60U);
         for (int n = 0; n < 27; ++n) {
             const glm::ivec3 beside = cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-            const auto found = ofKey.find(keyOf(beside, direction));
+            const auto found = ofKey.find(texelKey(beside, direction));
             if (found == ofKey.end()) continue;
             const std::uint32_t other = find(found->second);
             if (other == own || !samePlane(sums[own], sums[other], edge)) continue;
             // Strips along borders join what lies beside them, not each other into longer strips.
-            const glm::ivec3 apart = glm::abs(cellOf(sums[other].key) - cell);
+            const glm::ivec3 apart = glm::abs(texelCell(sums[other].key) - cell);
             if (std::max({apart.x, apart.y, apart.z}) > 1) continue;
             if (best == own || sums[other].area > sums[best].area ||
                 (sums[other].area == sums[best].area && other < best))
@@ -199,10 +114,10 @@ std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums,
 }
 
 /// Points spread evenly over the area of one texel.
-void placePoints(const scene::Scene& scene, std::span<const Piece* const> pieces, std::uint64_t key, unsigned count,
-                 std::span<scene::Receiver> out, SurfaceTexels::Texel& texel) {
+void placePoints(const scene::Scene& scene, std::span<const TexelPiece* const> pieces, std::uint64_t key,
+                 unsigned count, std::span<scene::Receiver> out, SurfaceTexels::Texel& texel) {
     double total = 0;
-    for (const Piece* piece : pieces) total += static_cast<double>(piece->area);
+    for (const TexelPiece* piece : pieces) total += static_cast<double>(piece->area);
     double before = 0;
     std::size_t at = 0;
     std::size_t first = 0;
@@ -223,7 +138,7 @@ void placePoints(const scene::Scene& scene, std::span<const Piece* const> pieces
         }
         while (at + 1 < pieces.size() && before + static_cast<double>(pieces[at]->area) <= target)
             before += static_cast<double>(pieces[at++]->area);
-        const Piece& piece = *pieces[at];
+        const TexelPiece& piece = *pieces[at];
         const Vec2 w = sampling::uniformTriangle({hashed(key, address + 1), hashed(key, address + 2)});
         scene::Receiver& receiver = out[k];
         receiver.position = piece.corner + w.x * piece.side1 + w.y * piece.side2;
@@ -273,7 +188,7 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
     while (scene.area / (static_cast<double>(edge_) * static_cast<double>(edge_)) >
            static_cast<double>(options.maxTexels))
         edge_ *= 2;
-    std::vector<Piece> pieces;
+    std::vector<TexelPiece> pieces;
     for (;;) {
         index.scale = 1 / static_cast<double>(edge_);
         index.origin =
@@ -285,7 +200,7 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
     }
 
     std::vector<Sum> sums;
-    for (Piece& piece : pieces) {
+    for (TexelPiece& piece : pieces) {
         const auto [place, fresh] = index.ofKey.try_emplace(piece.key, static_cast<std::uint32_t>(sums.size()));
         if (fresh) sums.push_back({piece.key});
         piece.texel = place->second;
@@ -312,7 +227,7 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
         levels_[0].push_back(texel);
     }
     for (auto& [key, texel] : index.ofKey) texel = number[root[texel]];
-    for (Piece& piece : pieces) piece.texel = number[root[piece.texel]];
+    for (TexelPiece& piece : pieces) piece.texel = number[root[piece.texel]];
 
     // Texels of every triangle, each once.
     index.begin.assign(scene.triangles.size() + 1, 0);
@@ -328,12 +243,12 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
     }
     index.begin.back() = static_cast<std::uint32_t>(index.ofTriangle.size());
 
-    std::vector<const Piece*> byTexel(pieces.size());
+    std::vector<const TexelPiece*> byTexel(pieces.size());
     std::vector<std::uint32_t> begin(keys.size() + 1, 0);
-    for (const Piece& piece : pieces) ++begin[piece.texel + 1];
+    for (const TexelPiece& piece : pieces) ++begin[piece.texel + 1];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
-    for (const Piece& piece : pieces) byTexel[place[piece.texel]++] = &piece;
+    for (const TexelPiece& piece : pieces) byTexel[place[piece.texel]++] = &piece;
     points_.points.resize(keys.size() * pointsPerTexel_);
     parallelChunks(keys.size(), 256, [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t)
@@ -378,7 +293,7 @@ std::uint32_t SurfaceTexels::find(std::uint32_t triangle, bool back, const Vec3&
     if (triangle >= index.direction.size() || index.direction[triangle] == 255) return none;
     if (back && !scene_.material(triangle).twoSided) return none;
     const unsigned direction = index.direction[triangle] ^ (back ? 1U : 0U);
-    const auto found = index.ofKey.find(keyOf(index.cellAt(point), direction));
+    const auto found = index.ofKey.find(texelKey(index.cellAt(point), direction));
     if (found != index.ofKey.end()) return found->second;
     std::uint32_t best = none;
     float least = std::numeric_limits<float>::infinity();
@@ -407,7 +322,8 @@ std::uint32_t SurfaceTexels::near(const Vec3& point, const Vec3& normal) const {
     std::uint32_t best = none;
     float least = std::numeric_limits<float>::infinity();
     for (int n = 0; n < 27; ++n) {
-        const auto found = index.ofKey.find(keyOf(cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), direction));
+        const auto found =
+            index.ofKey.find(texelKey(cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), direction));
         if (found == index.ofKey.end()) continue;
         const Vec3 d = levels_[0][found->second].centre - point;
         // Off the receiver's plane counts more than along it.
