@@ -198,7 +198,8 @@ Lit readScene(const Arguments& a, const pie::engine::Settings& settings) {
 /// Answers of the engine, for receivers in order.
 std::vector<Answer> byEngine(const Arguments& a, const pie::engine::Settings& settings, const Lit& lit,
                              const pie::scene::Receivers& receivers, Watch& watch, std::string& statistics) {
-    pie::engine::Transport transport(lit.scene, lit.lights, lit.tree, receivers, settings);
+    pie::engine::Transport transport(pie::engine::makeSurroundings(lit.scene, lit.tree, settings), lit.lights, lit.tree,
+                                     receivers, settings);
     watch.stage("prepare");
     std::vector<std::uint32_t> which(receivers.points.size());
     std::iota(which.begin(), which.end(), 0U);

@@ -168,11 +168,10 @@ RefinedWorld::RefinedWorld(std::shared_ptr<pie::engine::Engine> engine, std::uni
 
 void RefinedWorld::work(const std::stop_token& stop) {
     try {
-        engine_->refine(stop);
+        engine_->complete(stop);
         if (stop.stop_requested()) return;
         world_ = makeWorld(engine_, *states_);
         if (world_.root) world_.root->getBound(); // computed once, and kept
-        if (!stop.stop_requested()) engine_->prepare();
     } catch (const std::exception& error) {
         failure_ = error.what();
     }

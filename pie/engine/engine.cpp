@@ -1,10 +1,12 @@
 #include "pie/engine/engine.h"
 
+#include "pie/core/parallel.h"
 #include "pie/engine/options.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <mutex>
 #include <optional>
 
@@ -13,10 +15,15 @@ namespace {
 
 bool showsOurLight(const Settings& settings) { return settings.view == View::Lit || settings.view == View::Light; }
 
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 scene::RefineOptions refineOptions(const Settings& settings) {
     scene::RefineOptions options;
     options.maxSplits = static_cast<std::size_t>(settings.meshRefinement);
     options.maxEdge = settings.maxEdge;
+    options.tolerance = settings.tJunctionTolerance;
     options.maxTriangles = static_cast<std::size_t>(settings.maxTriangles);
     return options;
 }
@@ -29,12 +36,26 @@ struct Engine::State {
     scene::Mesh mesh;
     scene::Receivers receivers;
     bool refined = false;
-    std::once_flag prepared;
-    lights::ImportedLights imported;    ///< written once, under `prepared`
-    std::optional<Transport> transport; ///< the same
+    std::once_flag surveyed, prepared;
+    Surroundings around;                ///< written once, under `surveyed`; moved away by what `prepared` guards
+    lights::ImportedLights imported;    ///< written once, under `surveyed`
+    std::optional<Transport> transport; ///< written once, under `prepared`
     std::atomic<bool> ready{false};
-    double prepareMs = 0; ///< the same
+    double surveyMs = 0, prepareMs = 0; ///< each written once, under its flag
+
+    void survey();
 };
+
+/// All that does not depend on receivers.
+void Engine::State::survey() {
+    std::call_once(surveyed, [this] {
+        const auto start = std::chrono::steady_clock::now();
+        auto scene = std::make_shared<const scene::Scene>(scene::makeScene(*level, sceneOptions(settings)));
+        imported = lights::importLights(*level, *scene, importOptions(settings));
+        around = makeSurroundings(std::move(scene), level->tree, settings);
+        surveyMs = millisecondsSince(start);
+    });
+}
 
 Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settings, Refinement refinement)
     : state_(std::make_unique<State>()) {
@@ -53,8 +74,6 @@ void Engine::refine(const std::stop_token& stop) {
     options.stop = stop;
     scene::refine(s.mesh, options);
     if (stop.stop_requested()) return;
-    scene::closeTJunctions(s.mesh, s.settings.tJunctionTolerance);
-    if (stop.stop_requested()) return;
     s.receivers = scene::makeReceivers(s.mesh, *s.level);
     s.refined = true;
 }
@@ -72,13 +91,21 @@ const scene::Receivers& Engine::receivers() const { return state_->receivers; }
 void Engine::prepare() {
     State& s = *state_;
     std::call_once(s.prepared, [&s] {
+        s.survey();
         const auto start = std::chrono::steady_clock::now();
-        auto scene = std::make_shared<const scene::Scene>(scene::makeScene(*s.level, sceneOptions(s.settings)));
-        s.imported = lights::importLights(*s.level, *scene, importOptions(s.settings));
-        s.transport.emplace(std::move(scene), s.imported.lights, s.level->tree, s.receivers, s.settings);
-        s.prepareMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        s.transport.emplace(std::move(s.around), s.imported.lights, s.level->tree, s.receivers, s.settings);
+        s.prepareMs = s.surveyMs + millisecondsSince(start);
         s.ready = true;
     });
+}
+
+void Engine::complete(const std::stop_token& stop) {
+    State& s = *state_;
+    std::future<void> survey;
+    if (threads() > 1) survey = std::async(std::launch::async, [&s] { s.survey(); });
+    refine(stop);
+    if (survey.valid()) survey.get();
+    if (!stop.stop_requested()) prepare();
 }
 
 const lights::ImportedLights& Engine::lights() const {

@@ -28,7 +28,7 @@ enum class Refinement : std::uint8_t { AtOnce, Later };
 
 class Engine {
 public:
-    /// Scene, lights and intersector are built by the first advance() or prepare().
+    /// Scene, lights and intersector are built by the first advance(), prepare() or complete().
     Engine(std::shared_ptr<const level::Level> level, const Settings& settings,
            Refinement refinement = Refinement::AtOnce);
     ~Engine();
@@ -51,6 +51,8 @@ public:
 
     /// Builds what tracing needs, once; later calls return at once. Safe from any thread.
     void prepare();
+    /// Like refine() and then prepare(), but side by side as far as that goes.
+    void complete(const std::stop_token& stop = {});
     /// What light was found; empty before prepare().
     [[nodiscard]] const lights::ImportedLights& lights() const;
 

@@ -4,7 +4,6 @@
 #include "pie/gather/direct.h"
 #include "pie/gather/final_gather.h"
 #include "pie/gather/nearest_photons.h"
-#include "pie/intersect/intersector.h"
 #include "pie/maps/realtime.h"
 #include "pie/maps/snowball.h"
 #include "pie/photons/tracer.h"
@@ -106,7 +105,7 @@ struct Cache {
 struct Transport::State {
     std::shared_ptr<const scene::Scene> scene;
     lights::LightSet lights;
-    std::unique_ptr<intersect::Intersector> intersector;
+    std::unique_ptr<const intersect::Intersector> intersector;
     Settings settings;
     photons::PhotonTracer tracer;
     maps::RealtimeMap map;
@@ -125,7 +124,7 @@ struct Transport::State {
     std::mutex mutex; ///< map, cache and statistics: advance() swaps a frame in while no estimate runs
     Statistics statistics;
 
-    State(std::shared_ptr<const scene::Scene> theScene, std::vector<lights::Light> theLights, const level::Tree& tree,
+    State(Surroundings&& around, std::vector<lights::Light> theLights, const level::Tree& tree,
           const scene::Receivers& receivers, const Settings& theSettings);
     void estimate(std::span<const std::uint32_t> which, std::uint64_t revision);
     [[nodiscard]] std::size_t framesToTrace() const;
@@ -134,11 +133,10 @@ struct Transport::State {
     bool refine();
 };
 
-Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vector<lights::Light> theLights,
-                        const level::Tree& tree, const scene::Receivers& receivers, const Settings& theSettings)
-    : scene(std::move(theScene)), lights(std::move(theLights), scene),
-      intersector(intersect::makeIntersector(theSettings.intersector, *scene, tree)), settings(theSettings),
-      tracer(*scene, lights, *intersector, tracerOptions(theSettings)),
+Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLights, const level::Tree& tree,
+                        const scene::Receivers& receivers, const Settings& theSettings)
+    : scene(std::move(around.scene)), lights(std::move(theLights), scene), intersector(std::move(around.intersector)),
+      settings(theSettings), tracer(*scene, lights, *intersector, tracerOptions(theSettings)),
       map(static_cast<std::size_t>(theSettings.accumulationFrames),
           theSettings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree,
           partition(theSettings, *scene, tree)),
@@ -156,7 +154,7 @@ Transport::State::State(std::shared_ptr<const scene::Scene> theScene, std::vecto
                                                           finalGatherOptions(settings), direct ? &lights : nullptr);
     } else if (gathers(settings)) {
         auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
-                                                             gatherOptions(settings));
+                                                             gatherOptions(settings), std::move(around.texels));
         gathering = gather.get();
         if (settings.recursionDepth > 0 && settings.aimedRays) aim(*gather);
         estimator = std::move(gather);
@@ -187,9 +185,18 @@ void Transport::State::aim(gather::CachedGather& gather) {
     gather.aim(hits);
 }
 
-Transport::Transport(std::shared_ptr<const scene::Scene> scene, std::vector<lights::Light> lights,
-                     const level::Tree& tree, const scene::Receivers& receivers, const Settings& settings)
-    : state_(std::make_unique<State>(std::move(scene), std::move(lights), tree, receivers, settings)) {}
+Surroundings makeSurroundings(std::shared_ptr<const scene::Scene> scene, const level::Tree& tree,
+                              const Settings& settings) {
+    Surroundings around;
+    around.intersector = intersect::makeIntersector(settings.intersector, *scene, tree);
+    if (gathers(settings)) around.texels = gather::CachedGather::makeTexels(*scene, gatherOptions(settings));
+    around.scene = std::move(scene);
+    return around;
+}
+
+Transport::Transport(Surroundings surroundings, std::vector<lights::Light> lights, const level::Tree& tree,
+                     const scene::Receivers& receivers, const Settings& settings)
+    : state_(std::make_unique<State>(std::move(surroundings), std::move(lights), tree, receivers, settings)) {}
 
 Transport::~Transport() = default;
 

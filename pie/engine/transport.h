@@ -15,6 +15,8 @@
 #include "pie/core/vec.h"
 #include "pie/engine/settings.h"
 #include "pie/gather/gather.h"
+#include "pie/gather/texels.h"
+#include "pie/intersect/intersector.h"
 #include "pie/level/level.h"
 #include "pie/lights/light_set.h"
 #include "pie/scene/receivers.h"
@@ -47,11 +49,21 @@ struct Statistics {
     [[nodiscard]] std::string json() const;
 };
 
+/// What tracing and gathering need of a scene, whatever its lights and receivers.
+struct Surroundings {
+    std::shared_ptr<const scene::Scene> scene;
+    std::unique_ptr<const intersect::Intersector> intersector;
+    std::shared_ptr<const gather::SurfaceTexels> texels; ///< null where nothing is gathered
+};
+/// `tree` is used by the intersector "bsp" alone and may be empty; it must outlive the result.
+[[nodiscard]] Surroundings makeSurroundings(std::shared_ptr<const scene::Scene> scene, const level::Tree& tree,
+                                            const Settings& settings);
+
 class Transport {
 public:
-    /// Keeps references to `receivers` and `tree` (used by the intersector "bsp" and by `split_maps` alone; may be
-    /// empty): both must outlive it. Builds intersector and estimators at once.
-    Transport(std::shared_ptr<const scene::Scene> scene, std::vector<lights::Light> lights, const level::Tree& tree,
+    /// Keeps references to `receivers` and `tree` (used by `split_maps` alone, may be empty): both must outlive it.
+    /// Builds estimators at once. The surroundings were made with the same tree and settings.
+    Transport(Surroundings surroundings, std::vector<lights::Light> lights, const level::Tree& tree,
               const scene::Receivers& receivers, const Settings& settings);
     ~Transport();
     Transport(const Transport&) = delete;

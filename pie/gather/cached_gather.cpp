@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace pie::gather {
 namespace {
@@ -50,9 +51,10 @@ GatherOptions CachedGather::checked(GatherOptions options) {
 
 CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& lights,
                            const intersect::Intersector& intersector, const scene::Receivers& receivers,
-                           const DirectLight* direct, const GatherOptions& options)
-    : receivers_(receivers), direct_(direct), options_(checked(options)), texels_(scene, options_.texels),
-      bright_(texels_),
+                           const DirectLight* direct, const GatherOptions& options,
+                           std::shared_ptr<const SurfaceTexels> texels)
+    : receivers_(receivers), direct_(direct), options_(checked(options)),
+      keptTexels_(texels ? std::move(texels) : makeTexels(scene, options)), texels_(*keptTexels_), bright_(texels_),
       texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
                                                           texelDirectOptions(options.seed))
                           : nullptr),
@@ -67,6 +69,10 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
 }
 
 CachedGather::~CachedGather() = default;
+
+std::shared_ptr<const SurfaceTexels> CachedGather::makeTexels(const scene::Scene& scene, const GatherOptions& options) {
+    return std::make_shared<const SurfaceTexels>(scene, checked(options).texels);
+}
 
 void CachedGather::aim(std::span<const photons::Photon> firstHits) { bright_.choose(firstHits); }
 

@@ -52,10 +52,15 @@ class CachedGather final : public Estimator {
 public:
     /// `direct` answers for `receivers`; null: direct light comes from photons, which then hold first hits: as blurred
     /// as the texels around the receiver are large. All
-    /// references must outlive it.
+    /// references must outlive it. `texels`: from makeTexels() with the same options; null: it makes its own.
     CachedGather(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
-                 const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options);
+                 const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options,
+                 std::shared_ptr<const SurfaceTexels> texels = nullptr);
     ~CachedGather() override;
+
+    /// They depend on the scene alone, so that they can be made while receivers are still being found.
+    [[nodiscard]] static std::shared_ptr<const SurfaceTexels> makeTexels(const scene::Scene& scene,
+                                                                         const GatherOptions& options);
 
     /// Where lights shine: first hits of some photons. From then on a quarter as many rays again are aimed at what is
     /// bright there. Before anything is refined, or not at all.
@@ -129,7 +134,8 @@ private:
     const scene::Receivers& receivers_;
     const DirectLight* direct_;
     GatherOptions options_;
-    SurfaceTexels texels_;
+    std::shared_ptr<const SurfaceTexels> keptTexels_;
+    const SurfaceTexels& texels_;
     BrightTexels bright_;
     std::unique_ptr<DirectLight> texelDirect_;
     TexelLight light_;

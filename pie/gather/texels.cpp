@@ -1,5 +1,6 @@
 #include "pie/gather/texels.h"
 
+#include "pie/core/flat_index.h"
 #include "pie/core/parallel.h"
 #include "pie/gather/area.h"
 #include "pie/gather/texel_pieces.h"
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 
 namespace pie::gather {
 namespace {
@@ -35,15 +35,46 @@ float hashed(std::uint64_t key, std::uint64_t number) {
 
 } // namespace
 
+namespace {
+
+/// Keys of cells, numbered in the order they came in.
+class Keys {
+public:
+    [[nodiscard]] std::uint32_t find(std::uint64_t key) const {
+        return index_.find(mixBits(key), [&](std::uint32_t i) { return keys_[i] == key; });
+    }
+    /// Its number, new if there was none.
+    std::uint32_t add(std::uint64_t key) {
+        const std::uint32_t known = find(key);
+        if (known != FlatIndex::none) return known;
+        index_.insert(mixBits(key), static_cast<std::uint32_t>(keys_.size()));
+        keys_.push_back(key);
+        return static_cast<std::uint32_t>(keys_.size() - 1);
+    }
+    [[nodiscard]] std::size_t size() const { return keys_.size(); }
+    [[nodiscard]] std::size_t bytes() const { return index_.bytes() + keys_.size() * sizeof(std::uint64_t); }
+
+private:
+    FlatIndex index_;
+    std::vector<std::uint64_t> keys_;
+};
+
+} // namespace
+
 struct SurfaceTexels::Index {
     glm::dvec3 origin{0};
     double scale = 1; ///< cells a unit
-    std::unordered_map<std::uint64_t, std::uint32_t> ofKey;
+    Keys cells;
+    std::vector<std::uint32_t> texelOfCell;
     /// Where a point lies between all cells by rounding: the texels of its triangle, front and back.
     std::vector<std::uint32_t> begin, ofTriangle;
     std::vector<std::uint8_t> direction; ///< per triangle: facing(); 255 for what keeps no light
     std::vector<std::uint8_t> texelDirection;
 
+    [[nodiscard]] std::uint32_t texelAt(std::uint64_t key) const {
+        const std::uint32_t cell = cells.find(key);
+        return cell == FlatIndex::none ? none : texelOfCell[cell];
+    }
     [[nodiscard]] glm::ivec3 cellAt(const Vec3& p) const {
         const glm::dvec3 at = (glm::dvec3(p) - origin) * scale;
         return glm::clamp(glm::floor(at), glm::dvec3(0), glm::dvec3(largestCoordinate));
@@ -69,8 +100,7 @@ bool samePlane(const Sum& a, const Sum& b, double edge) {
 }
 
 /// Joins small cells to a neighbour: the root of each.
-std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums,
-                                     const std::unordered_map<std::uint64_t, std::uint32_t>& ofKey, double edge) {
+std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums, const Keys& cells, double edge) {
     std::vector<std::uint32_t> root(sums.size());
     std::iota(root.begin(), root.end(), 0U);
     const auto find = [&](std::uint32_t i) {
@@ -91,9 +121,9 @@ std::vector<std::uint32_t> joinSmall(std::vector<Sum>& sums,
         const auto direction = static_cast<unsigned>(sums[i].key >> 60U);
         for (int n = 0; n < 27; ++n) {
             const glm::ivec3 beside = cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-            const auto found = ofKey.find(texelKey(beside, direction));
-            if (found == ofKey.end()) continue;
-            const std::uint32_t other = find(found->second);
+            const std::uint32_t found = cells.find(texelKey(beside, direction));
+            if (found == FlatIndex::none) continue;
+            const std::uint32_t other = find(found);
             if (other == own || !samePlane(sums[own], sums[other], edge)) continue;
             // Strips along borders join what lies beside them, not each other into longer strips.
             const glm::ivec3 apart = glm::abs(texelCell(sums[other].key) - cell);
@@ -201,9 +231,8 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
 
     std::vector<Sum> sums;
     for (TexelPiece& piece : pieces) {
-        const auto [place, fresh] = index.ofKey.try_emplace(piece.key, static_cast<std::uint32_t>(sums.size()));
-        if (fresh) sums.push_back({piece.key});
-        piece.texel = place->second;
+        piece.texel = index.cells.add(piece.key);
+        if (piece.texel == sums.size()) sums.push_back({piece.key});
         Sum& sum = sums[piece.texel];
         const auto area = static_cast<double>(piece.area);
         sum.area += area;
@@ -211,7 +240,7 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
         sum.normal += area * glm::dvec3(scene.normals[piece.triangle]) * (piece.back ? -1.0 : 1.0);
         sum.reflected += area * glm::dvec3(scene.material(piece.triangle).reflectance);
     }
-    const std::vector<std::uint32_t> root = joinSmall(sums, index.ofKey, static_cast<double>(edge_));
+    const std::vector<std::uint32_t> root = joinSmall(sums, index.cells, static_cast<double>(edge_));
     std::vector<std::uint32_t> number(sums.size(), none);
     std::vector<std::uint64_t> keys;
     levels_.emplace_back();
@@ -226,8 +255,8 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
         texel.reflectance = Rgb(sums[i].reflected / sums[i].area);
         levels_[0].push_back(texel);
     }
-    for (auto& [key, texel] : index.ofKey) texel = number[root[texel]];
-    for (TexelPiece& piece : pieces) piece.texel = number[root[piece.texel]];
+    for (const std::uint32_t cell : root) index.texelOfCell.push_back(number[cell]);
+    for (TexelPiece& piece : pieces) piece.texel = index.texelOfCell[piece.texel];
 
     // Texels of every triangle, each once.
     index.begin.assign(scene.triangles.size() + 1, 0);
@@ -260,21 +289,20 @@ SurfaceTexels::SurfaceTexels(const scene::Scene& scene, const TexelOptions& opti
         std::vector<Texel>& fine = levels_.back();
         std::vector<Texel> coarse;
         std::vector<std::uint64_t> coarseKeys;
-        std::unordered_map<std::uint64_t, std::uint32_t> known;
+        Keys known;
         for (std::size_t t = 0; t < fine.size(); ++t) {
             const std::uint64_t key = parentKey(keys[t]);
-            const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(coarse.size()));
-            if (fresh) {
+            fine[t].parent = known.add(key);
+            if (fine[t].parent == coarse.size()) {
                 coarse.emplace_back();
                 coarse.back().coverage = 0;
                 coarseKeys.push_back(key);
             }
-            Texel& sum = coarse[found->second];
+            Texel& sum = coarse[fine[t].parent];
             sum.area += fine[t].area;
             sum.centre += fine[t].area * fine[t].centre;
             sum.reflectance += fine[t].area * fine[t].reflectance;
             sum.coverage += fine[t].area * fine[t].coverage;
-            fine[t].parent = found->second;
         }
         for (Texel& texel : coarse) {
             texel.centre /= texel.area;
@@ -293,8 +321,8 @@ std::uint32_t SurfaceTexels::find(std::uint32_t triangle, bool back, const Vec3&
     if (triangle >= index.direction.size() || index.direction[triangle] == 255) return none;
     if (back && !scene_.material(triangle).twoSided) return none;
     const unsigned direction = index.direction[triangle] ^ (back ? 1U : 0U);
-    const auto found = index.ofKey.find(texelKey(index.cellAt(point), direction));
-    if (found != index.ofKey.end()) return found->second;
+    const std::uint32_t found = index.texelAt(texelKey(index.cellAt(point), direction));
+    if (found != none) return found;
     std::uint32_t best = none;
     float least = std::numeric_limits<float>::infinity();
     for (std::uint32_t i = index.begin[triangle]; i < index.begin[triangle + 1]; ++i) {
@@ -322,16 +350,16 @@ std::uint32_t SurfaceTexels::near(const Vec3& point, const Vec3& normal) const {
     std::uint32_t best = none;
     float least = std::numeric_limits<float>::infinity();
     for (int n = 0; n < 27; ++n) {
-        const auto found =
-            index.ofKey.find(texelKey(cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), direction));
-        if (found == index.ofKey.end()) continue;
-        const Vec3 d = levels_[0][found->second].centre - point;
+        const std::uint32_t found =
+            index.texelAt(texelKey(cell + glm::ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1), direction));
+        if (found == none) continue;
+        const Vec3 d = levels_[0][found].centre - point;
         // Off the receiver's plane counts more than along it.
         const float off = glm::dot(d, normal);
         const float distance = glm::dot(d, d) + 8.0F * off * off;
         if (distance < least) {
             least = distance;
-            best = found->second;
+            best = found;
         }
     }
     return best;
@@ -340,7 +368,8 @@ std::uint32_t SurfaceTexels::near(const Vec3& point, const Vec3& normal) const {
 std::size_t SurfaceTexels::bytes() const {
     std::size_t sum = points_.points.size() * sizeof(scene::Receiver);
     for (const auto& level : levels_) sum += level.size() * sizeof(Texel);
-    sum += index_->ofKey.size() * 32 + (index_->begin.size() + index_->ofTriangle.size()) * sizeof(std::uint32_t);
+    sum += index_->cells.bytes() +
+           (index_->texelOfCell.size() + index_->begin.size() + index_->ofTriangle.size()) * sizeof(std::uint32_t);
     return sum;
 }
 

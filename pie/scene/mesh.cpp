@@ -206,13 +206,13 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
     const bool byLength = options.maxEdge < std::numeric_limits<float>::infinity();
     const bool byCount = options.maxSplits != std::numeric_limits<std::size_t>::max();
     const float limit = byLength ? std::max(options.maxEdge, 0.0F) : 0.0F;
-    constexpr double tolerance = 0.01;
+    dropNoise(topology, options.tolerance);
+    statistics.tJunctions = close(topology, options.tolerance, options.maxTriangles);
     if (options.maxSplits > 0 && (byLength || byCount)) {
-        dropNoise(topology, tolerance);
-        statistics.tJunctions = close(topology, tolerance, options.maxTriangles);
         splitLongest(topology, options, limit, statistics.splits);
         // Where surfaces cross, a new edge can pass an old vertex.
-        if (!options.stop.stop_requested()) statistics.tJunctions += close(topology, tolerance, options.maxTriangles);
+        if (!options.stop.stop_requested())
+            statistics.tJunctions += close(topology, options.tolerance, options.maxTriangles);
     }
     statistics.longestEdge = longestEdge(topology);
     topology.finish();
@@ -220,11 +220,10 @@ RefineStatistics refine(Mesh& mesh, const RefineOptions& options) {
 }
 
 std::size_t closeTJunctions(Mesh& mesh, float tolerance) {
-    Topology topology(mesh);
-    dropNoise(topology, tolerance);
-    const std::size_t closed = close(topology, tolerance, RefineOptions{}.maxTriangles);
-    topology.finish();
-    return closed;
+    RefineOptions options;
+    options.maxSplits = 0;
+    options.tolerance = tolerance;
+    return refine(mesh, options).tJunctions;
 }
 
 } // namespace pie::scene

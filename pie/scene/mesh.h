@@ -3,7 +3,7 @@
 //
 // Splitting an edge splits every triangle that has it, on whatever surface, so neighbours stay matched and no
 // T-junction arises. T-junctions that the level brings along, or that arise where two edges overlap in part, are closed
-// by `closeTJunctions`.
+// before and after.
 
 #include "pie/core/vec.h"
 #include "pie/level/level.h"
@@ -33,20 +33,20 @@ struct RefineOptions {
     std::size_t maxSplits =
         std::numeric_limits<std::size_t>::max();            ///< triangles split, the paper's mesh_refinement; 0: none
     float maxEdge = std::numeric_limits<float>::infinity(); ///< go on until no edge is longer than this, in units;
-                                                            ///< edges of a closed T-junction may be 0.01 longer
-    std::size_t maxTriangles = 4'000'000;                   ///< hard bound on memory
-    std::stop_token stop; ///< asked for now and then; the mesh is then refined as far as it came
+                                                            ///< edges of a closed T-junction: than this and tolerance
+    float tolerance = 0.01F;              ///< vertices so near to an edge, in units, end it; 0: T-junctions stay
+    std::size_t maxTriangles = 4'000'000; ///< hard bound on memory
+    std::stop_token stop;                 ///< asked for now and then; the mesh is then refined as far as it came
 };
 struct RefineStatistics {
     std::size_t splits = 0, tJunctions = 0;
     float longestEdge = 0;
 };
 
-/// Splits until maxSplits or maxEdge is reached, whichever comes first. Positions of midpoints are computed in one
-/// canonical order, so that they are bit-equal on all surfaces that share the edge. Deterministic.
+/// Closes T-junctions, and splits until maxSplits or maxEdge is reached, whichever comes first. Positions of midpoints
+/// are computed in one canonical order, so that they are bit-equal on all surfaces that share the edge. Deterministic.
 RefineStatistics refine(Mesh& mesh, const RefineOptions& options);
-/// Splits triangles at vertices that lie in the interior of their edges (within `tolerance` units). Returns how many
-/// were closed.
+/// T-junctions alone. Returns how many were closed.
 std::size_t closeTJunctions(Mesh& mesh, float tolerance = 0.01F);
 
 } // namespace pie::scene

@@ -5,8 +5,8 @@
 // neither much shorter than itself nor, as far as the smallest grid allows, longer. So the work stays near-linear for
 // levels whose walls are thousands of times longer than their details.
 
+#include "pie/core/flat_index.h"
 #include "pie/core/vec.h"
-#include "pie/scene/flat_index.h"
 
 #include <glm/gtc/type_precision.hpp>
 

@@ -1,8 +1,8 @@
 #include "pie/scene/receivers.h"
 
 #include "pie/core/parallel.h"
-#include "pie/scene/flat_index.h"
 #include "pie/scene/geometry.h"
+#include "pie/scene/position_index.h"
 
 #include <glm/vec3.hpp>
 

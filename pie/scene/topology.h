@@ -3,8 +3,8 @@
 // surface: splitting it splits every triangle that has it, so that neighbours stay matched. Not for use outside
 // pie/scene.
 
-#include "pie/scene/flat_index.h"
 #include "pie/scene/mesh.h"
+#include "pie/scene/position_index.h"
 
 #include <cstdint>
 #include <limits>

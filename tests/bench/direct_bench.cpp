@@ -86,7 +86,6 @@ struct Lit {
         pie::scene::RefineOptions options;
         options.maxEdge = maxEdge;
         pie::scene::refine(mesh, options);
-        pie::scene::closeTJunctions(mesh);
         return mesh;
     }
 };

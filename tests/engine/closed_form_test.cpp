@@ -51,7 +51,7 @@ lights::PointLight lamp(const Vec3& position) {
 std::vector<Rgb> settled(const SceneBuilder& builder, const lights::Light& light, const scene::Receivers& receivers,
                          const Settings& settings) {
     const level::Tree none;
-    Transport transport(builder.make(), {light}, none, receivers, settings);
+    Transport transport(makeSurroundings(builder.make(), none, settings), {light}, none, receivers, settings);
     while (transport.statistics().framesTraced < static_cast<std::uint64_t>(settings.stillFrames)) transport.advance();
     std::vector<std::uint32_t> which(receivers.points.size());
     std::iota(which.begin(), which.end(), 0U);

@@ -93,10 +93,10 @@ TEST_F(Tools, CompiledMapsAreReadByOsgsOwnReader) {
         const CommandResult compiled = run({MAPLEVEL, map, bsp}, {{}, "", 60});
         ASSERT_EQ(compiled.status, 0) << compiled.err;
         EXPECT_EQ(compiled.err, "");
-        const CommandResult result = run({"osgconv", bsp, path("stock.osgt")}, {{{"OSG_LIBRARY_PATH", ""}}, "", 60});
+        const CommandResult result = run({"osgconv", bsp, path("stock.osgb")}, {{{"OSG_LIBRARY_PATH", ""}}, "", 60});
         if (result.status == notInstalled) GTEST_SKIP() << "needs osgconv: apt-get install openscenegraph";
         EXPECT_EQ(result.status, 0) << result.err;
-        EXPECT_THAT(readText(path("stock.osgt")), HasSubstr("osg::Geometry"));
+        EXPECT_THAT(readText(path("stock.osgb")), HasSubstr("osg::Geometry"));
         const CommandResult again = run({MAPLEVEL, map, path("none/x.bsp")}, {{}, "", 60});
         EXPECT_EQ(again.status, 1);
         EXPECT_THAT(again.err, HasSubstr("cannot be written"));
