@@ -58,7 +58,7 @@ struct Settings {
     int photonsFromLight = 10'000; ///< emitted per frame, by all lights together
     int accumulationFrames = 10;
     photons::TracerOptions::Scattering scattering = photons::TracerOptions::Scattering::RussianRoulette;
-    int recursionDepth = 8;
+    int recursionDepth = 32;
     int diffuseReflections = 36;
     bool storeDirectLight = false;
     int snowballSize = 1;      ///< photons stored for one hit

@@ -43,7 +43,7 @@ struct GatherOptions {
         256; ///< of a finished row, rounded up to a power of two, 2 to 65,536. Noise that stays falls with it
     /// Reflections that light arrives by, at most. 0: direct light alone, nothing is gathered. 1: texels do not gather
     /// themselves. More: as many as the photons bring, which must have one less; beside edges one more.
-    unsigned reflections = 8;
+    unsigned reflections = 32;
     bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
     std::uint64_t seed = 0;
 };

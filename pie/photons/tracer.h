@@ -38,7 +38,7 @@ struct TracerOptions {
     /// from the third on) send on one each, so that a photon costs at most maxPathsPerPhoton × recursionDepth rays. How
     /// the children of a hit are spread among themselves: sampling::fan.
     unsigned diffuseReflections = 36;
-    unsigned recursionDepth = 8;   ///< bounces at most; 0: direct light only
+    unsigned recursionDepth = 32;  ///< bounces at most; 0: direct light only
     bool storeDirectLight = false; ///< store first hits as well (needed unless direct light comes from shadow rays)
     std::uint64_t seed = 0;
     /// Where numbers come from: for which light, place and direction of emission; for reflections and roulette.
