@@ -45,7 +45,7 @@ double largestPower(const lights::LightSet& lights, const scene::Scene& scene) {
 GatherOptions CachedGather::checked(GatherOptions options) {
     options.rays = std::bit_ceil(std::clamp(options.rays, 2U, 65'536U));
     options.texelRays = std::bit_ceil(std::clamp(options.texelRays, 2U, 65'536U));
-    options.texels.maxTexels = std::min(options.texels.maxTexels, mostTexels);
+    options.texels.maxTexels = std::min(options.texels.maxTexels, mostNumbers / (options.texels.points + 1));
     return options;
 }
 
@@ -62,8 +62,7 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
       gatherRays_(scene, intersector, texels_, bright_, receivers, rayOffsetFor(scene), options.seed),
       texelGatherRays_(scene, intersector, texels_, bright_, texels_.points(), rayOffsetFor(scene), options.seed),
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
-      own_(receivers.points.size(), SurfaceTexels::none), texelRows_(texels_.texels().size()),
-      texelPairs_(options.standardErrors ? texels_.texels().size() : 0) {
+      own_(receivers.points.size(), SurfaceTexels::none), placeOf_(texels_.texels().size(), SurfaceTexels::none) {
     if (!direct) firstHits_ = std::make_unique<TexelLight>(texels_, largestPower(lights, scene), nullptr, false);
     update();
 }
@@ -97,22 +96,25 @@ void CachedGather::add(std::span<const photons::Photon> photons) {
 void CachedGather::update() {
     light_.update();
     if (firstHits_) firstHits_->update();
-    radiosity_ = bothWays(light_.radiosity(), true);
+    bothWays(light_.radiosity(), true, radiosity_);
 }
 
-CachedGather::Radiosities CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const {
-    Radiosities both(byPhotons.begin(), byPhotons.end());
-    both.insert(both.end(), byPhotons.begin(), byPhotons.end());
-    parallelChunks(gatheringTexels_.size(), 256, [&](std::size_t begin, std::size_t end) {
+void CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct, Radiosities& both) const {
+    const unsigned points = texels_.pointsPerTexel();
+    both.resize(texelCount() + pointRows_.size());
+    std::copy(byPhotons.begin(), byPhotons.end(), both.begin());
+    parallelChunks(gatheringTexels_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t t = gatheringTexels_[i];
-            Rgb light = gathered(texelRows_[t], byPhotons, raysOfPoint() * texels_.pointsPerTexel());
-            if (direct) light += firstHits_ ? firstHits_->broadIrradiance(t, 1) : light_.directIrradiance(t);
-            light *= texels_.texels()[t].reflectance;
-            both[texelCount() + t] = {light.x, light.y, light.z, 0.0F};
+            const Rgb first = direct && firstHits_ ? firstHits_->broadIrradiance(t, 1) : Rgb(0.0F);
+            for (std::size_t p = i * points; p < (i + 1) * points; ++p) {
+                Rgb light = gathered(pointRows_[p], byPhotons, raysOfPoint()) + first;
+                if (direct && !firstHits_) light += pointDirect_[p];
+                light *= texels_.texels()[t].reflectance;
+                both[texelCount() + p] = {light.x, light.y, light.z, 0.0F};
+            }
         }
     });
-    return both;
 }
 
 unsigned CachedGather::raysAt(unsigned stage) const {
@@ -202,7 +204,7 @@ bool CachedGather::ownTexels(std::span<const std::uint32_t> wanted, const std::f
     return true;
 }
 
-/// Texel by texel. Those that weigh at least `large` are taken by their own gather.
+/// Texel by texel. Those that weigh at least `large` are taken by their own gather, point by point.
 CachedGather::Row CachedGather::makeRow(std::span<const TexelHit> hits, unsigned n, float large) const {
     const float each = 1.0F / static_cast<float>(n);
     std::vector<std::uint32_t> order;
@@ -212,20 +214,37 @@ CachedGather::Row CachedGather::makeRow(std::span<const TexelHit> hits, unsigned
                      [&](std::uint32_t a, std::uint32_t b) { return hits[a].texel < hits[b].texel; });
     std::vector<std::uint32_t> entries;
     std::vector<std::uint32_t> weighted;
-    for (auto first = order.begin(); first != order.end();) {
-        const std::uint32_t texel = hits[*first].texel;
-        std::uint32_t rays = 0;
-        float weight = 0;
-        for (; first != order.end() && hits[*first].texel == texel; ++first)
-            if (hits[*first].weight == each)
-                ++rays;
-            else
-                weight += hits[*first].weight;
-        const bool own = weight + each * static_cast<float>(rays) >= large;
-        const std::uint32_t number = texel + (own ? texelCount() : 0U);
+    const auto add = [&](std::uint32_t number, std::uint32_t rays, float weight) {
         for (; rays > 0; rays -= std::min(rays, mostRays))
             entries.push_back(number << countBits | (std::min(rays, mostRays) - 1));
         if (weight > 0.0F) weighted.insert(weighted.end(), {number, std::bit_cast<std::uint32_t>(weight)});
+    };
+    struct Met {
+        std::uint32_t rays = 0;
+        float weight = 0;
+        void by(const TexelHit& hit, float plain) {
+            if (hit.weight == plain)
+                ++rays;
+            else
+                weight += hit.weight;
+        }
+    };
+    const unsigned points = texels_.pointsPerTexel();
+    std::vector<Met> ofPoint;
+    for (auto first = order.begin(); first != order.end();) {
+        const std::uint32_t texel = hits[*first].texel;
+        const auto last = std::find_if(first, order.end(), [&](std::uint32_t i) { return hits[i].texel != texel; });
+        Met all;
+        for (auto i = first; i != last; ++i) all.by(hits[*i], each);
+        if (all.weight + each * static_cast<float>(all.rays) >= large) {
+            ofPoint.assign(points, {});
+            for (auto i = first; i != last; ++i) ofPoint[nearestPoint(texel, hits[*i].point)].by(hits[*i], each);
+            for (std::uint32_t k = 0; k < points; ++k)
+                add(texelCount() + texel * points + k, ofPoint[k].rays, ofPoint[k].weight);
+        } else {
+            add(texel, all.rays, all.weight);
+        }
+        first = last;
     }
     Row row;
     row.size = static_cast<std::uint32_t>(entries.size());
@@ -237,61 +256,101 @@ CachedGather::Row CachedGather::makeRow(std::span<const TexelHit> hits, unsigned
 }
 
 void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
+    const float large = options_.reflections < 2
+                            ? std::numeric_limits<float>::infinity()
+                            : static_cast<float>(std::max(2U, n / largeShare)) / static_cast<float>(n);
     parallelChunks(which.size(), receiversPerTask, [&](std::size_t begin, std::size_t end) {
         std::vector<TexelHit> hits;
         gatherRays_.shoot(which.subspan(begin, end - begin), n, hits);
         std::size_t at = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t count = gatherRays_.count(which[i], n);
-            rows_[which[i]] = makeRow(std::span(hits).subspan(at, count), n,
-                                      static_cast<float>(std::max(2U, n / largeShare)) / static_cast<float>(n));
+            rows_[which[i]] = makeRow(std::span(hits).subspan(at, count), n, large);
             at += count;
         }
     });
     std::vector<std::uint32_t> seen;
-    std::vector<std::uint32_t> large;
+    std::vector<std::uint32_t> gathering;
     for (const std::uint32_t r : which) {
         rays_ += gatherRays_.count(r, n);
         rows_[r].forEach(n, [&](std::uint32_t number, float /*weight*/) {
-            if (number >= texelCount()) large.push_back(number - texelCount());
-            seen.push_back(number % texelCount());
+            if (number >= texelCount())
+                gathering.push_back((number - texelCount()) / texels_.pointsPerTexel());
+            else
+                seen.push_back(number);
         });
     }
     light_.direct(seen);
-    makeTexelRows(std::move(large));
+    makeTexelRows(std::move(gathering));
+    for (const std::uint32_t r : which) numberPoints(rows_[r]);
+}
+
+void CachedGather::numberPoints(Row& row) const {
+    const auto placed = [&](std::uint32_t number) {
+        const std::uint32_t point = number - texelCount();
+        const unsigned points = texels_.pointsPerTexel();
+        return texelCount() + placeOf_[point / points] * points + point % points;
+    };
+    for (std::uint32_t i = 0; i < row.size; ++i) {
+        const std::uint32_t number = row.entries[i] >> countBits;
+        if (number >= texelCount()) row.entries[i] = placed(number) << countBits | (row.entries[i] & (mostRays - 1));
+    }
+    for (std::uint32_t i = row.size; i < row.size + 2 * row.weighted; i += 2)
+        if (row.entries[i] >= texelCount()) row.entries[i] = placed(row.entries[i]);
+}
+
+std::uint32_t CachedGather::nearestPoint(std::uint32_t texel, const Vec3& at) const {
+    const unsigned points = texels_.pointsPerTexel();
+    std::uint32_t best = 0;
+    float least = std::numeric_limits<float>::infinity();
+    for (std::uint32_t k = 0; k < points; ++k) {
+        const Vec3 d = texels_.points().points[std::size_t{texel} * points + k].position - at;
+        if (glm::dot(d, d) >= least) continue;
+        least = glm::dot(d, d);
+        best = k;
+    }
+    return best;
 }
 
 void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
-    if (options_.reflections < 2) return;
-    std::erase_if(texels, [&](std::uint32_t t) { return texelRows_[t].entries != nullptr; });
+    std::erase_if(texels, [&](std::uint32_t t) { return placeOf_[t] != SurfaceTexels::none; });
     std::sort(texels.begin(), texels.end());
     texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
     const unsigned points = texels_.pointsPerTexel();
     const unsigned n = raysOfPoint();
+    const std::size_t firstRow = pointRows_.size();
+    for (const std::uint32_t t : texels) {
+        placeOf_[t] = static_cast<std::uint32_t>(gatheringTexels_.size());
+        gatheringTexels_.push_back(t);
+    }
+    pointRows_.resize(gatheringTexels_.size() * points);
+    if (options_.standardErrors) pointPairs_.resize(pointRows_.size());
     parallelChunks(texels.size(), std::max<std::size_t>(1, receiversPerTask / points),
                    [&](std::size_t begin, std::size_t end) {
                        std::vector<TexelHit> hits;
-                       std::vector<std::uint32_t> which(points);
-                       for (std::size_t i = begin; i < end; ++i) {
-                           const std::uint32_t t = texels[i];
-                           for (unsigned k = 0; k < points; ++k) which[k] = t * points + k;
+                       for (std::size_t i = begin * points; i < end * points; ++i) {
+                           const auto point = static_cast<std::uint32_t>(texels[i / points] * points + i % points);
                            hits.clear();
-                           texelGatherRays_.shoot(which, n, hits);
-                           for (TexelHit& hit : hits) hit.weight /= static_cast<float>(points);
-                           texelRows_[t] = makeRow(hits, n * points, std::numeric_limits<float>::infinity());
-                           if (texelPairs_.empty()) continue;
+                           texelGatherRays_.shoot(std::span(&point, 1), n, hits);
+                           pointRows_[firstRow + i] = makeRow(hits, n, std::numeric_limits<float>::infinity());
+                           if (pointPairs_.empty()) continue;
                            for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
                                if (differ(hits[k], hits[k + 1]))
-                                   texelPairs_[t].push_back(
+                                   pointPairs_[firstRow + i].push_back(
                                        {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
                        }
                    });
     for (const std::uint32_t t : texels) rays_ += points * texelGatherRays_.count(t * points, n);
     std::vector<std::uint32_t> seen = texels;
-    for (const std::uint32_t t : texels)
-        texelRows_[t].forEach(n * points, [&](std::uint32_t number, float /*weight*/) { seen.push_back(number); });
+    for (std::size_t p = firstRow; p < pointRows_.size(); ++p)
+        pointRows_[p].forEach(n, [&](std::uint32_t number, float /*weight*/) { seen.push_back(number); });
     light_.direct(seen);
-    gatheringTexels_.insert(gatheringTexels_.end(), texels.begin(), texels.end());
+    if (!texelDirect_) return;
+    std::vector<std::uint32_t> which;
+    for (const std::uint32_t t : texels)
+        for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
+    pointDirect_.resize(pointRows_.size());
+    texelDirect_->estimate(which, std::span(pointDirect_).subspan(firstRow));
 }
 
 Rgb CachedGather::gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n) {
@@ -339,11 +398,12 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
 
 std::size_t CachedGather::bytes() const {
     std::size_t sum = texels_.bytes() + bright_.bytes() + light_.bytes() + stage_.size() +
-                      own_.size() * sizeof(std::uint32_t) + (rows_.size() + texelRows_.size()) * sizeof(Row) +
+                      (own_.size() + placeOf_.size()) * sizeof(std::uint32_t) +
+                      (rows_.size() + pointRows_.size()) * sizeof(Row) + pointDirect_.size() * sizeof(Rgb) +
                       radiosity_.size() * sizeof(TexelLight::Radiosity);
-    for (const auto* rows : {&rows_, &texelRows_})
+    for (const auto* rows : {&rows_, &pointRows_})
         for (const Row& row : *rows) sum += row.bytes();
-    for (const auto& pairs : texelPairs_) sum += pairs.size() * sizeof(Pair);
+    for (const auto& pairs : pointPairs_) sum += pairs.size() * sizeof(Pair);
     return sum;
 }
 

@@ -8,9 +8,10 @@
 // vector of colours: no tree, no search, no kernel, and no boundary bias at edges, where a level's vertices are.
 // Photons only have to be right on the mean over what a receiver sees.
 //
-// A texel that fills much of what a receiver sees (the wall beside an edge) would pass its own noise on. Such texels
-// gather themselves, from points spread over them (the secondary gather of pi-engine 3.2.2, cached): the receiver then
-// takes reflectance · (direct + gathered) from them in place of the photons that fell there.
+// A texel that fills much of what a receiver sees (the wall beside an edge) would pass its own noise on, and light
+// changes within it. Such texels gather themselves, from points spread over them (the secondary gather of pi-engine
+// 3.2.2, cached): each ray that meets one takes reflectance · (direct + gathered) of the nearest of these points in
+// place of the photons that fell on the texel.
 //
 // Rows are made in stages, so that the first picture does not wait: a receiver starts with the light of its own texel,
 // gets its direct light, then rows of ever more rays. refine() makes progress on those that are asked for, least
@@ -87,10 +88,10 @@ private:
 
     using Radiosities = std::vector<TexelLight::Radiosity>;
     /// Entries of rows: number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold
-    /// every texel twice: by its photons, then by its own gather.
+    /// every texel by its photons, then the points of those that gather themselves.
     static constexpr unsigned countBits = 10;
     static constexpr std::uint32_t mostRays = 1U << countBits; ///< one entry holds
-    static constexpr std::size_t mostTexels = 1U << (31U - countBits);
+    static constexpr std::size_t mostNumbers = std::size_t{1} << (32U - countBits);
     static constexpr std::uint32_t enoughFirstHits = 16; ///< where they are all the direct light there is
     /// First texels and how many rays met them, then those whose rays have other weights than 1/n: two entries each,
     /// number and weight.
@@ -118,14 +119,17 @@ private:
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
     [[nodiscard]] unsigned raysOfPoint() const;
     [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }
+    [[nodiscard]] std::uint32_t nearestPoint(std::uint32_t texel, const Vec3& at) const;
     void survey();
     bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
     void makeRows(std::span<const std::uint32_t> which, unsigned n);
     void makeTexelRows(std::vector<std::uint32_t> texels);
+    /// Points in a new row are numbered as if all texels gathered; numberPoints() then gives them their places.
     [[nodiscard]] Row makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
+    void numberPoints(Row& row) const;
     void update();
-    /// From radiosities by photons, for one entry per texel, those for two. `direct`: whether direct light is in them.
-    [[nodiscard]] Radiosities bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct) const;
+    /// From radiosities by photons those of everything. `direct`: whether direct light is in them.
+    void bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct, Radiosities& both) const;
     [[nodiscard]] static Rgb gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n);
     [[nodiscard]] static GatherOptions checked(GatherOptions options);
     struct Explanation;
@@ -144,10 +148,13 @@ private:
     std::vector<Row> rows_;
     std::vector<std::uint8_t> stage_;
     std::vector<std::uint32_t> own_; ///< texel a receiver lies on
-    std::vector<Row> texelRows_;
-    std::vector<std::vector<Pair>> texelPairs_; ///< for standard errors
     std::vector<std::uint32_t> gatheringTexels_;
-    Radiosities radiosity_; ///< bothWays
+    std::vector<std::uint32_t> placeOf_; ///< by texel: in gatheringTexels_
+    /// Of every point of the gathering texels.
+    std::vector<Row> pointRows_;
+    std::vector<Rgb> pointDirect_;
+    std::vector<std::vector<Pair>> pointPairs_; ///< for standard errors
+    Radiosities radiosity_;                     ///< bothWays
     std::uint64_t rays_ = 0;
     bool surveyed_ = false;
 };

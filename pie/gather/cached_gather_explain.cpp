@@ -40,7 +40,7 @@ struct CachedGather::Explanation {
     std::vector<Radiosities> batches; ///< photons of one batch alone, both ways
     Radiosities coarse;               ///< of level 1; empty: there is none
     std::vector<double> noise;        ///< squared standard error of each radiosity by its photons, both ways
-    std::vector<double> variance;     ///< of each texel's own gather, mean over the channels
+    std::vector<double> variance;     ///< of each point's own gather, mean over the channels
 
     /// Twice the variance of a stratum from its two rays. What photons add to their difference is taken out again: it
     /// is in the spread of the batches already.
@@ -61,14 +61,14 @@ void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estim
     Explanation with;
     if (options_.standardErrors) {
         for (unsigned b = 0; b < TexelLight::batches; ++b)
-            with.batches.push_back(bothWays(light_.batchRadiosity(b), false));
+            bothWays(light_.batchRadiosity(b), false, with.batches.emplace_back());
         with.noise = noiseOf(with.batches);
-        with.variance.assign(texelCount(), 0.0);
-        for (const std::uint32_t t : gatheringTexels_) {
+        for (std::size_t p = 0; p < pointPairs_.size(); ++p) {
             double sum = 0;
-            for (const Pair& pair : texelPairs_[t]) sum += with.pair(radiosity_, pair);
+            for (const Pair& pair : pointPairs_[p]) sum += with.pair(radiosity_, pair);
+            const std::uint32_t t = gatheringTexels_[p / texels_.pointsPerTexel()];
             const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
-            with.variance[t] = reflectance * reflectance * std::max(0.0, sum);
+            with.variance.push_back(reflectance * reflectance * std::max(0.0, sum));
         }
     }
     if (texels_.levels() > 1) with.coarse = light_.coarseRadiosity(1);
@@ -88,20 +88,28 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     // Which of the two ways a texel is taken depends on the row.
     std::vector<std::uint32_t> large;
     double variance = 0;
+    const unsigned points = texels_.pointsPerTexel();
     row.forEach(n, [&](std::uint32_t number, float weight) {
-        const std::uint32_t texel = number % texelCount();
         const double squared = std::pow(static_cast<double>(weight), 2);
+        std::uint32_t texel = number;
+        if (number >= texelCount()) {
+            const std::uint32_t point = number - texelCount();
+            texel = gatheringTexels_[point / points];
+            if (!with.variance.empty()) variance += squared * with.variance[point];
+            if (std::find(large.begin(), large.end(), texel) == large.end()) {
+                large.push_back(texel);
+                out.photons += light_.photons(texel);
+            }
+        } else {
+            out.photons += light_.photons(texel);
+        }
         const auto directError = static_cast<double>(light_.directError(texel));
         variance += squared * directError * directError;
-        if (number >= texelCount()) {
-            large.push_back(texel);
-            if (!with.variance.empty()) variance += squared * with.variance[texel];
-        }
-        out.photons += light_.photons(texel);
     });
     const auto numberOf = [&](const TexelHit& hit) {
-        const bool own = std::find(large.begin(), large.end(), hit.texel) != large.end();
-        return hit.texel == SurfaceTexels::none || !own ? hit.texel : hit.texel + texelCount();
+        if (hit.texel == SurfaceTexels::none || std::find(large.begin(), large.end(), hit.texel) == large.end())
+            return hit.texel;
+        return texelCount() + placeOf_[hit.texel] * points + nearestPoint(hit.texel, hit.point);
     };
     std::vector<TexelHit> hits;
     gatherRays_.shoot(std::span(&receiver, 1), n, hits);

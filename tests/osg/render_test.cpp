@@ -228,7 +228,8 @@ TEST_F(RenderedRoom, FixedFunctionLooksLikeThePrograms) {
         for (const char* clamp : {" overbright_clamp=1", " overbright_clamp=2"}) {
             Shot shot = inside();
             shot.frames = 6;
-            const std::string options = std::string(view) + few + clamp;
+            // Fixed function cuts light off at vertices, programs at pixels: little may be cut off.
+            const std::string options = std::string(view) + few + clamp + " exposure=0.7";
             const Picture programs = shoot(options, shot);
             EXPECT_TRUE(similar(shoot(options + " renderer=fixed", shot), programs, 1.5,
                                 std::string("fixed-") + (view + 5) + (clamp + 18)));
