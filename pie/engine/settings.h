@@ -32,6 +32,8 @@ enum class View : std::uint8_t { Lit, Baked, Fullbright, Light };
 /// area = true_area.
 enum class EstimatorKind : std::uint8_t { Gather, TrueArea, Nearest };
 enum class DirectLight : std::uint8_t { ShadowRays, Photons };
+/// Where the texels of a gather have direct light from.
+enum class TexelLight : std::uint8_t { Auto, ShadowRays, Photons };
 enum class PhotonMapKind : std::uint8_t { KdTree, Exact };
 /// Quake3: colours are used as stored; Srgb: linearised, and encoded again for display.
 enum class ColorSpace : std::uint8_t { Quake3, Srgb };
@@ -98,6 +100,7 @@ struct Settings {
     int precomputeIrradiance = 0; ///< every how many photons; 0: never
     float irradianceCache = 0;    ///< Ward's a; 0: none
     DirectLight directLight = DirectLight::ShadowRays;
+    TexelLight texelLight = TexelLight::Auto;
     int directSamples = 64;    ///< shadow rays per soft source and receiver, at most
     float directTolerance = 2; ///< lightmap units U, standard error
 

@@ -35,6 +35,7 @@ constexpr std::array<std::string_view, 3> radiusNames{"nearest", "fixed", "progr
 constexpr std::array<std::string_view, 2> mapNames{"kd_tree", "exact"};
 constexpr std::array<std::string_view, 4> splitNames{"none", "normal", "cell", "both"};
 constexpr std::array<std::string_view, 2> directNames{"shadow_rays", "photons"};
+constexpr std::array<std::string_view, 3> texelLightNames{"auto", "shadow_rays", "photons"};
 constexpr std::array<std::string_view, 2> reflectanceNames{"texture", "compiler"};
 
 // clang-format off: one row is one paragraph
@@ -249,6 +250,12 @@ constexpr std::array table{
         "from the photon map like "
         "the rest; shadows blur over the search radius.",
         "pi-engine parameter 11"},
+    Row{"texel_light", "Irradiance", choice<&Settings::texelLight>(texelLightNames), 0, 0, "",
+        "estimator = gather: where direct light on the surfaces that are gathered comes from. shadow_rays: once for "
+        "each piece of surface that is seen; without noise, slow where sources are many. photons: from first hits; "
+        "free, "
+        "and smooth after some frames. auto: photons where there are more than 16 sources.",
+        ""},
     Row{"direct_samples", "Irradiance", &Settings::directSamples, 1, 4096, "rays",
         "Shadow rays per receiver to a source that gives all its light there; one that gives a tenth gets a tenth. "
         "More: smoother penumbras. From 8 to 64 costs a fifth more.",

@@ -30,14 +30,21 @@ bool gathers(const Settings& settings) {
     return settings.estimator == EstimatorKind::Gather && !settings.finalGathering;
 }
 
-photons::TracerOptions tracerOptions(const Settings& settings) {
+bool texelsByPhotons(const Settings& settings, const lights::LightSet& lights) {
+    constexpr std::size_t many = 16;
+    if (!gathers(settings)) return false;
+    return settings.texelLight == TexelLight::Auto ? lights.lights().size() > many
+                                                   : settings.texelLight == TexelLight::Photons;
+}
+
+photons::TracerOptions tracerOptions(const Settings& settings, const lights::LightSet& lights) {
     photons::TracerOptions options;
     options.scattering = settings.scattering;
     options.diffuseReflections = static_cast<unsigned>(settings.diffuseReflections);
     options.recursionDepth = static_cast<unsigned>(settings.recursionDepth);
     // The gather is a reflection itself.
     if (gathers(settings) && options.recursionDepth > 0) --options.recursionDepth;
-    options.storeDirectLight = settings.storesDirectLight();
+    options.storeDirectLight = settings.storesDirectLight() || texelsByPhotons(settings, lights);
     options.lightDistribution = settings.lightDistribution;
     options.diffuseDistribution = settings.diffuseDistribution;
     options.photonsPerFrame = static_cast<std::uint64_t>(settings.photonsFromLight);
@@ -74,6 +81,7 @@ gather::FinalGatherOptions finalGatherOptions(const Settings& settings) {
     return options;
 }
 
+/// But for what lights decide.
 gather::GatherOptions gatherOptions(const Settings& settings) {
     gather::GatherOptions options;
     options.texels.edge = settings.texelSize;
@@ -136,7 +144,7 @@ struct Transport::State {
 Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLights, const level::Tree& tree,
                         const scene::Receivers& receivers, const Settings& theSettings)
     : scene(std::move(around.scene)), lights(std::move(theLights), scene), intersector(std::move(around.intersector)),
-      settings(theSettings), tracer(*scene, lights, *intersector, tracerOptions(theSettings)),
+      settings(theSettings), tracer(*scene, lights, *intersector, tracerOptions(theSettings, lights)),
       map(static_cast<std::size_t>(theSettings.accumulationFrames),
           theSettings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree,
           partition(theSettings, *scene, tree)),
@@ -153,8 +161,10 @@ Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLig
         estimator = std::make_unique<gather::FinalGather>(*scene, *intersector, receivers, map, options,
                                                           finalGatherOptions(settings), direct ? &lights : nullptr);
     } else if (gathers(settings)) {
+        gather::GatherOptions gatherSettings = gatherOptions(settings);
+        gatherSettings.texelsByPhotons = texelsByPhotons(settings, lights);
         auto gather = std::make_unique<gather::CachedGather>(*scene, lights, *intersector, receivers, direct.get(),
-                                                             gatherOptions(settings), std::move(around.texels));
+                                                             gatherSettings, std::move(around.texels));
         gathering = gather.get();
         if (settings.recursionDepth > 0 && settings.aimedRays) aim(*gather);
         estimator = std::move(gather);
@@ -175,7 +185,7 @@ Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLig
 /// Enough photons to tell what is bright, however many a frame has.
 void Transport::State::aim(gather::CachedGather& gather) {
     constexpr std::uint64_t most = 100'000;
-    photons::TracerOptions options = tracerOptions(settings);
+    photons::TracerOptions options = tracerOptions(settings, lights);
     options.recursionDepth = 0;
     options.storeDirectLight = true;
     const photons::PhotonTracer firstHits(*scene, lights, *intersector, options);

@@ -58,12 +58,14 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
       texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
                                                           texelDirectOptions(options.seed))
                           : nullptr),
-      light_(texels_, largestPower(lights, scene), texelDirect_.get(), options.standardErrors),
+      light_(texels_, largestPower(lights, scene), options.texelsByPhotons ? nullptr : texelDirect_.get(),
+             options.standardErrors),
       gatherRays_(scene, intersector, texels_, bright_, receivers, rayOffsetFor(scene), options.seed),
       texelGatherRays_(scene, intersector, texels_, bright_, texels_.points(), rayOffsetFor(scene), options.seed),
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
       own_(receivers.points.size(), SurfaceTexels::none), placeOf_(texels_.texels().size(), SurfaceTexels::none) {
-    if (!direct) firstHits_ = std::make_unique<TexelLight>(texels_, largestPower(lights, scene), nullptr, false);
+    if (!direct || options.texelsByPhotons)
+        firstHits_ = std::make_unique<TexelLight>(texels_, largestPower(lights, scene), nullptr, false);
     update();
 }
 
@@ -86,7 +88,7 @@ void CachedGather::add(std::span<const photons::Photon> photons) {
         std::vector<photons::Photon> later;
         std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first), std::back_inserter(later),
                             isFirst);
-        light_.add(direct_ ? std::span<const photons::Photon>(later) : photons);
+        light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later));
         if (firstHits_) firstHits_->add(first);
     }
     survey();
@@ -106,10 +108,10 @@ void CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bo
     parallelChunks(gatheringTexels_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t t = gatheringTexels_[i];
-            const Rgb first = direct && firstHits_ ? firstHits_->broadIrradiance(t, 1) : Rgb(0.0F);
+            const Rgb first = direct && !direct_ ? firstHits_->broadIrradiance(t, 1) : Rgb(0.0F);
             for (std::size_t p = i * points; p < (i + 1) * points; ++p) {
                 Rgb light = gathered(pointRows_[p], byPhotons, raysOfPoint()) + first;
-                if (direct && !firstHits_) light += pointDirect_[p];
+                if (direct && direct_) light += pointDirect_[p];
                 light *= texels_.texels()[t].reflectance;
                 both[texelCount() + p] = {light.x, light.y, light.z, 0.0F};
             }
@@ -383,15 +385,21 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
             const std::uint32_t r = which[i];
             const unsigned stage = stage_[r];
             if (stage > Direct) {
-                if (firstHits_) irradiance[i] += firstHits_->broadIrradiance(own_[r], enoughFirstHits);
+                if (!direct_) irradiance[i] += firstHits_->broadIrradiance(own_[r], enoughFirstHits);
                 irradiance[i] += gathered(rows_[r], radiosity_, raysAt(stage));
                 continue;
             }
             const std::uint32_t texel =
                 stage == Unknown ? texels_.near(receivers_.points[r].inset, receivers_.points[r].normal) : own_[r];
             if (texel == SurfaceTexels::none) continue;
-            irradiance[i] += light_.broadIrradiance(texel, enoughPhotons);
-            if (stage < Direct) irradiance[i] += light_.broadDirect(texel);
+            if (!firstHits_) {
+                irradiance[i] += light_.broadIrradiance(texel, enoughPhotons);
+                if (stage < Direct) irradiance[i] += light_.broadDirect(texel);
+                continue;
+            }
+            const Rgb all = light_.broadIrradiance(texel, enoughFirstHits);
+            const bool twice = stage == Direct && direct_ != nullptr; // direct light is known, and among the photons
+            irradiance[i] += twice ? glm::max(all - firstHits_->broadIrradiance(texel, enoughFirstHits), 0.0F) : all;
         }
     });
 }

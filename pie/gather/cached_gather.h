@@ -45,6 +45,9 @@ struct GatherOptions {
     /// Reflections that light arrives by, at most. 0: direct light alone, nothing is gathered. 1: texels do not gather
     /// themselves. More: as many as the photons bring, which must have one less; beside edges one more.
     unsigned reflections = 32;
+    /// Direct light of texels from the photons' first hits, not from shadow rays: noisier, and costs nothing however
+    /// many lights there are. Photons then must hold first hits. Without `direct` it is always so.
+    bool texelsByPhotons = false;
     bool standardErrors = false; ///< keep batches, so that explain() knows the noise of the photons
     std::uint64_t seed = 0;
 };
@@ -143,7 +146,7 @@ private:
     BrightTexels bright_;
     std::unique_ptr<DirectLight> texelDirect_;
     TexelLight light_;
-    std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where no shadow rays bring direct light
+    std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where texels have direct light from those
     TexelRays gatherRays_, texelGatherRays_;
     std::vector<Row> rows_;
     std::vector<std::uint8_t> stage_;

@@ -138,7 +138,7 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
         }
         variance += squaredError(sum, squares);
     }
-    if (firstHits_) {
+    if (!direct_) {
         std::int64_t photons = 0;
         const auto light =
             static_cast<double>(meanChannel(firstHits_->broadIrradiance(own_[receiver], enoughFirstHits, &photons)));

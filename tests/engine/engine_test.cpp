@@ -101,6 +101,40 @@ TEST(Engine, SeveralMapsLookAtFewerPhotonsAndGiveTheSameLight) {
     EXPECT_EQ(gather.statistics().mapBytes, 0U);
 }
 
+TEST(Engine, TexelsLitByPhotonsGiveTheLightOfTexelsLitByShadowRays) {
+    Settings settings = quickSettings();
+    settings.photonsFromLight = 20'000;
+    settings.stillFrames = 20;
+    std::vector<Rgb> light[2];
+    std::uint64_t rays[2] = {};
+    for (const TexelLight source : {TexelLight::ShadowRays, TexelLight::Photons}) {
+        settings.texelLight = source;
+        Engine engine(makeRoomLevel(), settings);
+        engine.advance();
+        const auto which = all(engine);
+        std::vector<Rgb> first(which.size());
+        engine.irradiance(which, first);
+        while (engine.advance()) {}
+        engine.finish(which);
+        const auto i = static_cast<std::size_t>(source == TexelLight::Photons);
+        light[i].resize(which.size());
+        engine.irradiance(which, light[i]);
+        rays[i] = engine.statistics().gatherRays;
+        double sum = 0;
+        double settled = 0;
+        for (std::size_t r = 0; r < which.size(); ++r) {
+            sum += static_cast<double>(first[r].x);
+            settled += static_cast<double>(light[i][r].x);
+        }
+        EXPECT_NEAR(sum / settled, 1, 0.25) << "the first frame is rough, and about as bright";
+    }
+    double squares = 0;
+    for (std::size_t r = 0; r < light[0].size(); ++r)
+        squares += std::pow(static_cast<double>(light[1][r].x / light[0][r].x) - 1, 2);
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(light[0].size())), 0.01);
+    EXPECT_LT(rays[1], rays[0]) << "no shadow rays on texels but on those that gather themselves";
+}
+
 TEST(Engine, AStillSceneIsTracedOncePerFrameOfThePoolAndThenCostsNothing) {
     Settings settings = quickSettings();
     settings.estimator = EstimatorKind::TrueArea;
