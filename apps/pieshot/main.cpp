@@ -1,5 +1,6 @@
 // pieshot: a picture of a level, rendered through the plug-in as any OSG program would, with or without a display.
 #include "apps/pieshot/virtual_display.h"
+#include "pie/core/clock.h"
 #include "pie/engine/settings.h"
 
 #include <CLI/CLI.hpp>
@@ -13,7 +14,6 @@
 #include <osgUtil/Optimizer>
 #include <osgViewer/Viewer>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -80,10 +80,6 @@ std::string optionString(const Arguments& arguments) {
     if (!arguments.game.empty()) add("game=" + arguments.game);
     if (arguments.stats) add("stats=true");
     return options;
-}
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// Frames without drawing until the light of what the last drawn frame showed stands still.
@@ -199,9 +195,9 @@ void render(const Arguments& arguments) {
         if (!started) fail(started.error().message());
         display.emplace(std::move(*started));
     }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = pie::Clock::now();
     const osg::ref_ptr<osg::Node> scene = readLevel(arguments, options);
-    const double readMs = millisecondsSince(start);
+    const double readMs = pie::millisecondsSince(start);
     double firstFrameMs = 0;
     if (arguments.optimize) osgUtil::Optimizer().optimize(scene);
 
@@ -231,9 +227,9 @@ void render(const Arguments& arguments) {
             viewer.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
             camera.setFinalDrawCallback(new Capture(image));
         }
-        const auto frame = std::chrono::steady_clock::now();
+        const auto frame = pie::Clock::now();
         viewer.frame();
-        if (i == 0) firstFrameMs = millisecondsSince(frame);
+        if (i == 0) firstFrameMs = pie::millisecondsSince(frame);
     }
     if (arguments.stats) {
         viewer.advance();

@@ -1,6 +1,7 @@
 #include "osgPlugins/osgpie/callbacks.h"
 
 #include "osgPlugins/osgpie/level_node.h"
+#include "pie/core/clock.h"
 #include "pie/level/names.h"
 
 #include <osg/BufferObject>
@@ -10,8 +11,6 @@
 #include <osg/RenderInfo>
 #include <osg/State>
 #include <osg/ValueObject>
-
-#include <chrono>
 
 namespace osgpie {
 
@@ -66,14 +65,14 @@ bool IrradianceCallback::refresh() const {
 
 /// Sends the colours now rather than in the midst of drawing, so that its time is known.
 void IrradianceCallback::upload(osg::RenderInfo& renderInfo) const {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = pie::Clock::now();
     osg::GLBufferObject* buffer = colours_->getOrCreateGLBufferObject(renderInfo.getContextID());
     if (buffer && buffer->isDirty()) {
         buffer->compileBuffer();
         // The state of OSG does not know that its array buffer was bound past it.
         renderInfo.getState()->unbindVertexBufferObject();
     }
-    engine_->countUpload(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    engine_->countUpload(pie::millisecondsSince(start));
 }
 
 void IrradianceCallback::drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const {

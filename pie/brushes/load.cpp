@@ -1,22 +1,17 @@
 #include "pie/brushes/load.h"
 
 #include "pie/brushes/compile.h"
+#include "pie/core/clock.h"
 #include "pie/level/names.h"
-
-#include <chrono>
 
 namespace pie::brushes {
 namespace {
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 Result<level::Level> loadMap(std::span<const std::byte> bytes, level::Location location,
                              const level::LoadOptions& options) {
     std::string name = location.files.origin(location.name);
     if (name.empty()) name = location.name;
-    auto start = std::chrono::steady_clock::now();
+    auto start = Clock::now();
     const Result<MapText> map =
         parseMap(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), name);
     if (!map) return map.error();
@@ -24,7 +19,7 @@ Result<level::Level> loadMap(std::span<const std::byte> bytes, level::Location l
     records.dialect = "map text";
     records.warnings = map->problems;
     records.times.emplace_back("parse", millisecondsSince(start));
-    start = std::chrono::steady_clock::now();
+    start = Clock::now();
     records.shaders = level::ShaderLibrary::load(location.files);
     records.times.emplace_back("shaders", millisecondsSince(start));
     Result<CompiledMap> compiled = compileMap(*map, name, location.files, records.shaders);

@@ -1,11 +1,11 @@
 #include "pie/engine/engine.h"
 
+#include "pie/core/clock.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/options.h"
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -14,10 +14,6 @@ namespace pie::engine {
 namespace {
 
 bool showsOurLight(const Settings& settings) { return settings.view == View::Lit || settings.view == View::Light; }
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 scene::RefineOptions refineOptions(const Settings& settings) {
     scene::RefineOptions options;
@@ -49,7 +45,7 @@ struct Engine::State {
 /// All that does not depend on receivers.
 void Engine::State::survey() {
     std::call_once(surveyed, [this] {
-        const auto start = std::chrono::steady_clock::now();
+        const auto start = Clock::now();
         auto scene = std::make_shared<const scene::Scene>(scene::makeScene(*level, sceneOptions(settings)));
         imported = lights::importLights(*level, *scene, importOptions(settings));
         around = makeSurroundings(std::move(scene), level->tree, settings);
@@ -92,7 +88,7 @@ void Engine::prepare() {
     State& s = *state_;
     std::call_once(s.prepared, [&s] {
         s.survey();
-        const auto start = std::chrono::steady_clock::now();
+        const auto start = Clock::now();
         s.transport.emplace(std::move(s.around), s.imported.lights, s.level->tree, s.receivers, s.settings);
         s.prepareMs = s.surveyMs + millisecondsSince(start);
         s.ready = true;

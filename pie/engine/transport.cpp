@@ -1,5 +1,6 @@
 #include "pie/engine/transport.h"
 
+#include "pie/core/clock.h"
 #include "pie/gather/cached_gather.h"
 #include "pie/gather/direct.h"
 #include "pie/gather/final_gather.h"
@@ -12,19 +13,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <mutex>
 
 namespace pie::engine {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 bool gathers(const Settings& settings) {
     return settings.estimator == EstimatorKind::Gather && !settings.finalGathering;
@@ -244,7 +238,6 @@ bool Transport::State::refine() {
     statistics.unfinished = wanted.size();
     if (wanted.empty()) return false;
     statistics.gatherRays += gathering->refine(wanted, static_cast<std::uint64_t>(settings.refineRays));
-    statistics.gatherBytes = gathering->bytes();
     statistics.refineMs += millisecondsSince(start);
     return true;
 }
@@ -316,7 +309,6 @@ void Transport::finish(std::span<const std::uint32_t> which) {
     const std::lock_guard lock(s.mutex);
     const auto start = Clock::now();
     s.statistics.gatherRays += s.gathering->refine(which, std::numeric_limits<std::uint64_t>::max());
-    s.statistics.gatherBytes = s.gathering->bytes();
     s.statistics.refineMs += millisecondsSince(start);
     ++s.lightRevision;
 }
@@ -358,7 +350,10 @@ void Transport::explain(std::span<const std::uint32_t> which, std::span<gather::
 
 Statistics Transport::statistics() const {
     const std::lock_guard lock(state_->mutex);
-    return state_->statistics;
+    Statistics statistics = state_->statistics;
+    statistics.estimatorBytes = state_->estimator->bytes();
+    statistics.directBytes = state_->direct ? state_->direct->bytes() : 0;
+    return statistics;
 }
 
 void Transport::countUpload(double milliseconds) {
@@ -371,11 +366,11 @@ std::string Statistics::json() const {
         R"({{"frames":{},"frames_traced":{},"photons_emitted":{},"rays_traced":{},"photons_stored":{},"photons_escaped":{},)"
         R"("photons_in_map":{},"map_nodes_visited":{},"map_photons_visited":{},"direct_estimates":{},"direct_rays":{},"estimates_made":{},"estimates_reused":{},"gather_rays":{},"unfinished":{},"receivers":{},)"
         R"("drawn_triangles":{},"coarse_triangles":{},"lights":{},"prepare_ms":{:.3f},"trace_ms":{:.3f},"build_ms":{:.3f},)"
-        R"("direct_ms":{:.3f},"refine_ms":{:.3f},"estimate_ms":{:.3f},"upload_ms":{:.3f},"scene_bytes":{},"intersector_bytes":{},"map_bytes":{},"receiver_bytes":{},"gather_bytes":{}}})",
+        R"("direct_ms":{:.3f},"refine_ms":{:.3f},"estimate_ms":{:.3f},"upload_ms":{:.3f},"scene_bytes":{},"intersector_bytes":{},"map_bytes":{},"receiver_bytes":{},"estimator_bytes":{},"direct_bytes":{}}})",
         frames, framesTraced, photonsEmitted, raysTraced, photonsStored, photonsEscaped, photonsInMap, mapNodesVisited,
         mapPhotonsVisited, directEstimates, directRays, estimatesMade, estimatesReused, gatherRays, unfinished,
         receivers, drawnTriangles, coarseTriangles, lights, prepareMs, traceMs, buildMs, directMs, refineMs, estimateMs,
-        uploadMs, sceneBytes, intersectorBytes, mapBytes, receiverBytes, gatherBytes);
+        uploadMs, sceneBytes, intersectorBytes, mapBytes, receiverBytes, estimatorBytes, directBytes);
 }
 
 } // namespace pie::engine

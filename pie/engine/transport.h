@@ -44,7 +44,8 @@ struct Statistics {
     std::uint64_t unfinished = 0; ///< receivers asked for last that will be refined further
     std::size_t receivers = 0, drawnTriangles = 0, coarseTriangles = 0, lights = 0;
     double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, refineMs = 0, estimateMs = 0, uploadMs = 0;
-    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0, gatherBytes = 0;
+    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0;
+    std::size_t estimatorBytes = 0, directBytes = 0; ///< of the estimator without the map, of direct light at receivers
     /// One JSON object, keys as above in snake_case.
     [[nodiscard]] std::string json() const;
 };

@@ -83,7 +83,7 @@ public:
     [[nodiscard]] const SurfaceTexels& texels() const { return texels_; }
     [[nodiscard]] const TexelLight& light() const { return light_; }
     [[nodiscard]] std::uint64_t raysTraced() const { return rays_; } ///< gathering and shadow rays on texels
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] std::size_t bytes() const override;
 
 private:
     /// What a receiver has: nothing yet, the light of its own texel, direct light, rows of three sizes.

@@ -76,7 +76,7 @@ public:
 
     [[nodiscard]] std::uint64_t raysTraced() const { return rays_; }
     [[nodiscard]] std::uint64_t receiversComputed() const { return computed_; }
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] std::size_t bytes() const override;
 
     [[nodiscard]] float rayOffset() const; ///< rayOffsetFor(scene)
 

@@ -64,7 +64,7 @@ public:
 
     [[nodiscard]] std::uint64_t raysTraced() const;
     [[nodiscard]] std::size_t records() const; ///< receivers gathered for the cache
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] std::size_t bytes() const override;
 
 private:
     void reflected(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;

@@ -6,6 +6,7 @@
 #include "pie/maps/nearest.h"
 #include "pie/scene/receivers.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -36,6 +37,8 @@ public:
     }
     /// What its searches of photon maps looked at so far.
     [[nodiscard]] virtual maps::Visits visits() const { return {}; }
+    /// Memory it holds, without the photon map.
+    [[nodiscard]] virtual std::size_t bytes() const { return 0; }
     [[nodiscard]] virtual std::string_view name() const = 0;
 };
 

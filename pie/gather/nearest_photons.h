@@ -90,7 +90,7 @@ public:
     void explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const override;
     [[nodiscard]] const SliceOptions& slice() const { return options_.slice; }
     /// Of the area tables that it made itself.
-    [[nodiscard]] std::size_t bytes() const;
+    [[nodiscard]] std::size_t bytes() const override;
     [[nodiscard]] maps::Visits visits() const override;
     [[nodiscard]] std::string_view name() const override { return table_ != nullptr ? "true_area" : "nearest"; }
     /// The same at any points; AreaEstimate::True computes each area anew, which costs more than the search. Direct
