@@ -17,6 +17,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -24,6 +25,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -133,6 +135,13 @@ struct Stop {
 
 void say(const std::string& line) { fmt::print(stderr, "pieprobe: {}\n", line); }
 
+/// The first few.
+void sayFirst(const std::vector<std::string>& lines, std::string_view whereAllAre) {
+    constexpr std::size_t few = 5;
+    for (std::size_t i = 0; i < std::min(few, lines.size()); ++i) say(lines[i]);
+    if (lines.size() > few) say(fmt::format("and {} more; {}", lines.size() - few, whereAllAre));
+}
+
 template <class T> T valueOr(pie::Result<T> result, Exit status) {
     if (!result) throw Stop{result.error().message(), status};
     return std::move(*result);
@@ -148,7 +157,7 @@ pie::engine::Settings settingsOf(const Arguments& a) {
     if (a.frames && settings.origin("accumulation_frames") == pie::engine::Source::Default)
         valueOr(settings.set("accumulation_frames", std::to_string(*a.frames), source), Misused);
     if (a.frames && settings.origin("still_frames") == pie::engine::Source::Default)
-        valueOr(settings.set("still_frames", std::to_string(*a.frames), source), Misused);
+        valueOr(settings.set("still_frames", std::to_string(*a.frames), pie::engine::Source::Level), Misused);
     // Numbers are wanted truer than pictures. Below a command line, whoever sets these there.
     for (const char* pair : {"standard_errors=true", "gather_rays=1024", "direct_tolerance=0.02"})
         valueOr(settings.setPair(pair, pie::engine::Source::Level), Misused);
@@ -180,6 +189,7 @@ Lit readScene(const Arguments& a, const pie::engine::Settings& settings) {
     pie::level::LoadOptions options;
     options.patchTolerance = settings.patchTolerance;
     auto level = valueOr(pie::brushes::loadLevel(std::move(location), options), Failed);
+    if (!a.quiet) sayFirst(level.statistics.warnings, "bspinfo lists them");
     lit.scene =
         std::make_shared<const pie::scene::Scene>(pie::scene::makeScene(level, pie::engine::sceneOptions(settings)));
     lit.tree = std::move(level.tree);
@@ -258,6 +268,8 @@ Exit probe(const Arguments& a) {
     Watch watch;
     pie::engine::Settings settings = settingsOf(a);
     pie::setThreads(static_cast<unsigned>(settings.threads));
+    if (!a.quiet)
+        for (const std::string& warning : settings.warnings()) say(warning);
     std::vector<pie::lights::Light> added;
     for (const std::string& text : a.lights) added.push_back(valueOr(pieprobe::parseLight(text), Misused));
     pieprobe::OutFile out;

@@ -179,8 +179,11 @@ osg::ref_ptr<osg::Node> readLevel(const Arguments& arguments, const std::string&
                                                         ? ""
                                                         : ".bsp");
     auto result = osgDB::Registry::instance()->readNode(name, readOptions);
-    if (!result.validNode())
-        fail(result.message().empty() ? fmt::format("{}: not found, or no level", name) : result.message());
+    if (!result.validNode()) {
+        if (!result.message().empty()) fail(result.message());
+        fail(result.notFound() ? fmt::format("{}: no such file", name)
+                               : fmt::format("{}: no level; .bsp and .map files are, on disk or inside a pk3", name));
+    }
     return result.getNode();
 }
 
@@ -277,7 +280,11 @@ int run(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--optimize", arguments.optimize, "run OSG's optimizer on the level first, as osgviewer does");
     app.add_flag("--stats", arguments.stats, "print what was done as one line of JSON");
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
     const bool named = !arguments.map.empty();
     if (places.size() != (named ? 1U : 2U))
         fail(named ? "with --map only the picture is named" : "a level and a picture are needed; see --help");

@@ -36,7 +36,9 @@ public:
     Result<CompiledMap> compile() {
         MapParts gathered = gatherParts(map_, fileName_, planes_, shaders_, result_.warnings);
         reportKeys();
-        if (gathered.parts.empty()) return Error{fileName_, "", "has no worldspawn with brushes or patches", ""};
+        if (gathered.parts.empty())
+            return Error{fileName_, "", "has no worldspawn with brushes or patches",
+                         map_.problems.empty() ? "" : "first problem: " + map_.problems.front()};
         result_.models = ModelPlacer(files_, fileName_, shaders_, result_.warnings).place(map_, gathered.parts);
         result_.brushes = gathered.brushes;
         result_.patches = gathered.patches;

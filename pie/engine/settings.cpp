@@ -110,7 +110,7 @@ std::vector<std::string> Settings::effective(bool all) const {
 std::vector<std::string> Settings::warnings() const {
     std::vector<std::string> lines;
     const auto idle = [&](std::string_view key, bool does, std::string_view why) {
-        if (origin(key) != Source::Default && !does) lines.push_back(fmt::format("{} has no effect: {}", key, why));
+        if (origin(key) > Source::Level && !does) lines.push_back(fmt::format("{} has no effect: {}", key, why));
     };
     const bool roulette = scattering == photons::TracerOptions::Scattering::RussianRoulette;
     idle("diffuse_reflections", !roulette, "scattering is roulette");
@@ -127,6 +127,11 @@ std::vector<std::string> Settings::warnings() const {
     for (const std::string_view key : {"final_gathering_samples", "final_gathering_distance",
                                        "final_gathering_secondary", "precompute_irradiance", "irradiance_cache"})
         idle(key, finalGathering, "final_gathering is off");
+    const bool gathers = estimator == EstimatorKind::Gather && !finalGathering;
+    for (const std::string_view key :
+         {"texel_size", "texel_light", "gather_rays", "refine_rays", "still_frames", "aimed_rays"})
+        idle(key, gathers, "the estimator is not gather");
+    if (gathers) idle("texel_light", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("direct_samples", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("direct_tolerance", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("deluxe", view == View::Baked, "view is not baked");

@@ -101,7 +101,8 @@ constexpr std::array table{
         "as many rays.",
         "pi-engine parameter 13"},
     Row{"store_direct_light", "Photons", &Settings::storeDirectLight, 0, 0, "",
-        "Keep first hits in the photon map. direct_light = photons does so by itself; with shadow_rays it costs memory "
+        "Keep first hits in the photon map. direct_light = photons and texel_light = photons do so by themselves; else "
+        "it costs memory "
         "and search time and "
         "shows nothing.",
         "pi-engine parameter 11"},
@@ -135,7 +136,8 @@ constexpr std::array table{
         "photons near by over `area`; the paper's with area = pi_r2. true_area: the same with area = true_area.",
         "pi-engine 3.2.2 and eq 3.3"},
     Row{"texel_size", "Irradiance", &Settings::texelSize, 0, 1e7, "units",
-        "estimator = gather: edge of the surface texels that photons are summed into. 0: from the scene, at most 64. "
+        "estimator = gather: edge of the surface texels that photons are summed into. 0: from the scene, 64 in levels "
+        "of the usual size. "
         "Smaller: sharper indirect light, more noise near walls, more memory.",
         ""},
     Row{"gather_rays", "Irradiance", &Settings::gatherRays, 2, 65'536, "rays per receiver",
@@ -254,7 +256,7 @@ constexpr std::array table{
         "estimator = gather: where direct light on the surfaces that are gathered comes from. shadow_rays: once for "
         "each piece of surface that is seen; without noise, slow where sources are many. photons: from first hits; "
         "free, "
-        "and smooth after some frames. auto: photons where there are more than 16 sources.",
+        "and smooth after some frames. auto: photons where there are more than 16 sources, backsplash counted.",
         ""},
     Row{"direct_samples", "Irradiance", &Settings::directSamples, 1, 4096, "rays",
         "Shadow rays per receiver to a source that gives all its light there; one that gives a tenth gets a tenth. "

@@ -26,7 +26,7 @@ bool gathers(const Settings& settings) {
 
 bool texelsByPhotons(const Settings& settings, const lights::LightSet& lights) {
     constexpr std::size_t many = 16;
-    if (!gathers(settings)) return false;
+    if (!gathers(settings) || settings.recursionDepth == 0) return false;
     return settings.texelLight == TexelLight::Auto ? lights.lights().size() > many
                                                    : settings.texelLight == TexelLight::Photons;
 }

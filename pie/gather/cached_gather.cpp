@@ -412,6 +412,8 @@ std::size_t CachedGather::bytes() const {
     for (const auto* rows : {&rows_, &pointRows_})
         for (const Row& row : *rows) sum += row.bytes();
     for (const auto& pairs : pointPairs_) sum += pairs.size() * sizeof(Pair);
+    if (firstHits_) sum += firstHits_->bytes();
+    if (texelDirect_) sum += texelDirect_->bytes();
     return sum;
 }
 
