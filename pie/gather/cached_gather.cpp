@@ -327,21 +327,21 @@ void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
     }
     pointRows_.resize(gatheringTexels_.size() * points);
     if (options_.standardErrors) pointPairs_.resize(pointRows_.size());
-    parallelChunks(texels.size(), std::max<std::size_t>(1, receiversPerTask / points),
-                   [&](std::size_t begin, std::size_t end) {
-                       std::vector<TexelHit> hits;
-                       for (std::size_t i = begin * points; i < end * points; ++i) {
-                           const auto point = static_cast<std::uint32_t>(texels[i / points] * points + i % points);
-                           hits.clear();
-                           texelGatherRays_.shoot(std::span(&point, 1), n, hits);
-                           pointRows_[firstRow + i] = makeRow(hits, n, std::numeric_limits<float>::infinity());
-                           if (pointPairs_.empty()) continue;
-                           for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
-                               if (differ(hits[k], hits[k + 1]))
-                                   pointPairs_[firstRow + i].push_back(
-                                       {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
-                       }
-                   });
+    parallelChunks(
+        texels.size(), std::max<std::size_t>(1, receiversPerTask / points), [&](std::size_t begin, std::size_t end) {
+            std::vector<TexelHit> hits;
+            for (std::size_t i = begin * points; i < end * points; ++i) {
+                const auto point = static_cast<std::uint32_t>(std::size_t{texels[i / points]} * points + i % points);
+                hits.clear();
+                texelGatherRays_.shoot(std::span(&point, 1), n, hits);
+                pointRows_[firstRow + i] = makeRow(hits, n, std::numeric_limits<float>::infinity());
+                if (pointPairs_.empty()) continue;
+                for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
+                    if (differ(hits[k], hits[k + 1]))
+                        pointPairs_[firstRow + i].push_back(
+                            {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
+            }
+        });
     for (const std::uint32_t t : texels) rays_ += points * texelGatherRays_.count(t * points, n);
     std::vector<std::uint32_t> seen = texels;
     for (std::size_t p = firstRow; p < pointRows_.size(); ++p)
