@@ -114,17 +114,23 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     std::vector<TexelHit> hits;
     gatherRays_.shoot(std::span(&receiver, 1), n, hits);
     double pairs = 0;
-    double fine = 0;
-    double coarse = 0;
+    double between = 0; // texels and the next coarser ones
+    double within = 0;  // points and their texels
     for (std::size_t k = 0; k + 1 < hits.size(); k += 2) {
         pairs +=
             with.pair(radiosity_, {{numberOf(hits[k]), numberOf(hits[k + 1])}, {hits[k].weight, hits[k + 1].weight}});
-        if (with.coarse.empty()) continue;
         for (const TexelHit& hit : {hits[k], hits[k + 1]}) {
             if (hit.texel == SurfaceTexels::none) continue;
             const auto weight = static_cast<double>(hit.weight);
-            fine += weight * mean(light_.radiosity()[hit.texel]);
-            coarse += weight * mean(with.coarse[texels_.texels()[hit.texel].parent]);
+            if (!with.coarse.empty())
+                between += weight * (mean(light_.radiosity()[hit.texel]) -
+                                     mean(with.coarse[texels_.texels()[hit.texel].parent]));
+            const std::uint32_t number = numberOf(hit);
+            if (number < texelCount()) continue;
+            const std::uint32_t first = texelCount() + placeOf_[hit.texel] * points;
+            double whole = 0;
+            for (unsigned p = 0; p < points; ++p) whole += mean(radiosity_[first + p]) / points;
+            within += weight * (mean(radiosity_[number]) - whole);
         }
     }
     variance += std::max(0.0, pairs);
@@ -145,7 +151,7 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
         if (photons > 0) variance += light * light / static_cast<double>(photons); // of about equal power: Poisson
     }
     out.standardError = static_cast<float>(std::sqrt(variance));
-    out.bias = static_cast<float>(std::abs(fine - coarse));
+    out.bias = static_cast<float>(std::abs(between) + std::abs(within));
 }
 
 } // namespace pie::gather
