@@ -231,7 +231,7 @@ TEST_F(RenderedRoom, FixedFunctionLooksLikeThePrograms) {
             // Fixed function cuts light off at vertices, programs at pixels: little may be cut off.
             const std::string options = std::string(view) + few + clamp + " exposure=0.7";
             const Picture programs = shoot(options, shot);
-            EXPECT_TRUE(similar(shoot(options + " renderer=fixed", shot), programs, 1.5,
+            EXPECT_TRUE(similar(shoot(options + " renderer=fixed", shot), programs, 1.05,
                                 std::string("fixed-") + (view + 5) + (clamp + 18)));
         }
 }
