@@ -1,6 +1,7 @@
 #include "pie/engine/transport.h"
 
 #include "pie/core/clock.h"
+#include "pie/engine/options.h"
 #include "pie/gather/cached_gather.h"
 #include "pie/gather/direct.h"
 #include "pie/gather/final_gather.h"
@@ -19,49 +20,6 @@
 
 namespace pie::engine {
 namespace {
-
-bool gathers(const Settings& settings) {
-    return settings.estimator == EstimatorKind::Gather && !settings.finalGathering;
-}
-
-bool texelsByPhotons(const Settings& settings, const lights::LightSet& lights) {
-    constexpr std::size_t many = 16;
-    if (!gathers(settings) || settings.recursionDepth == 0) return false;
-    return settings.texelLight == TexelLight::Auto ? lights.lights().size() > many
-                                                   : settings.texelLight == TexelLight::Photons;
-}
-
-photons::TracerOptions tracerOptions(const Settings& settings, const lights::LightSet& lights) {
-    photons::TracerOptions options;
-    options.scattering = settings.scattering;
-    options.diffuseReflections = static_cast<unsigned>(settings.diffuseReflections);
-    options.recursionDepth = static_cast<unsigned>(settings.recursionDepth);
-    // The gather is a reflection itself.
-    if (gathers(settings) && options.recursionDepth > 0) --options.recursionDepth;
-    options.storeDirectLight = settings.storesDirectLight() || texelsByPhotons(settings, lights);
-    options.lightDistribution = settings.lightDistribution;
-    options.diffuseDistribution = settings.diffuseDistribution;
-    options.photonsPerFrame = static_cast<std::uint64_t>(settings.photonsFromLight);
-    options.seed = settings.seed;
-    return options;
-}
-
-gather::NearestOptions nearestOptions(const Settings& settings) {
-    gather::NearestOptions options;
-    options.maxCount = static_cast<std::size_t>(settings.maxSearchCount);
-    options.maxRadius = settings.maxSearchRadius;
-    options.radiusHeuristic = settings.useRadiusHeuristic;
-    options.heuristicAlpha = settings.radiusHeuristicAlpha;
-    options.radius = settings.searchRadius;
-    options.progressiveAlpha = settings.progressiveAlpha;
-    options.volume = settings.volume();
-    options.slice.halfThickness = settings.sphereSlice;
-    options.incomingDirection = settings.useIncomingDirection;
-    options.area = settings.usesTrueArea() ? gather::AreaEstimate::True : settings.area;
-    options.kernel = settings.kernel;
-    options.indirectOnly = settings.directLight == DirectLight::ShadowRays && !settings.finalGathering;
-    return options;
-}
 
 gather::FinalGatherOptions finalGatherOptions(const Settings& settings) {
     gather::FinalGatherOptions options;
