@@ -85,6 +85,16 @@ void LightSet::finish() {
     }
 }
 
+void LightSet::mute(std::uint32_t light) {
+    muted_.resize(lights_.size(), 0);
+    muted_[light] = 1;
+}
+
+void LightSet::muteAllBut(std::uint32_t light) {
+    muted_.assign(lights_.size(), 1);
+    muted_[light] = 0;
+}
+
 const LightSet::Entry& LightSet::choose(float u) const {
     std::size_t i = guide_[static_cast<std::size_t>(u * static_cast<float>(guide_.size()))];
     while (cumulative_[i] <= u) ++i;
@@ -148,6 +158,9 @@ void LightSet::emit(const sampling::Sequence& sequence, std::uint64_t first, std
         }
         for (std::size_t i = 0; i < count; ++i)
             emitFrom(*chosen[i], {u[1][i], u[2][i], u[3][i], u[4][i]}, polar, out[done + i]);
+        if (muted_.empty()) continue;
+        for (std::size_t i = 0; i < count; ++i)
+            if (muted_[chosen[i]->light] != 0) out[done + i].flux = Rgb(0.0F);
     }
 }
 

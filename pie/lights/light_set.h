@@ -31,6 +31,11 @@ public:
     [[nodiscard]] Rgb totalPower() const { return totalPower_; }  ///< watts
     [[nodiscard]] bool empty() const { return entries_.empty(); } ///< nothing to emit
     [[nodiscard]] const SkyPortals& portals() const { return portals_; }
+    /// Photons of a muted light carry no flux; those of the others stay as they are, to the bit.
+    void mute(std::uint32_t light);
+    /// Mutes all lights but this one, which is muted no more: its part of what the whole set sends.
+    void muteAllBut(std::uint32_t light);
+    [[nodiscard]] bool muted(std::uint32_t light) const { return !muted_.empty() && muted_[light] != 0; }
     /// Light that photon `index` comes from and the ray it starts on. `flux` is the light's power over the probability
     /// of choosing it: divide by the number of photons emitted. Uses dimensions 0 (light) to 4. `light`, when
     /// given, receives its number in `lights()`. Not to be called when empty().
@@ -61,6 +66,7 @@ private:
     [[nodiscard]] const Entry& choose(float u) const;
 
     std::vector<Light> lights_;
+    std::vector<std::uint8_t> muted_; ///< by light; empty: none
     std::vector<Entry> entries_;
     std::vector<Triangle> triangles_;
     std::vector<double> cumulative_;   ///< of power shares per entry, ends with 1

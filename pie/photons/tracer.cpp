@@ -48,10 +48,11 @@ PhotonTracer::PhotonTracer(const scene::Scene& scene, const lights::LightSet& li
       reflection_(sequence(options, options.diffuseDistribution)),
       surroundings_(std::make_shared<Surroundings>(scene)) {}
 
-TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::vector<Photon>& out) const {
+TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::uint64_t frame,
+                                std::vector<Photon>& out) const {
     TraceCounts counts;
     if (lights_.empty()) return counts;
-    const Wavefront wavefront(scene_, lights_, intersector_, options_, emission_, reflection_, *surroundings_, count);
+    const Wavefront wavefront(scene_, lights_, intersector_, options_, emission_, reflection_, *surroundings_, frame);
     const std::size_t grain = std::max<std::size_t>(1, chunkPaths * 16 / std::max<std::size_t>(16, wavefront.widest()));
     const std::size_t firstStored = out.size();
     const std::size_t atOnce = grain * chunksAtOnce();

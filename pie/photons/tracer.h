@@ -73,7 +73,12 @@ public:
                  const TracerOptions& options);
     /// Appends the hits of indices [first, first + count) to `out`, in index order; each photon carries its share of a
     /// frame of `count` emitted photons. Nothing is emitted without lights.
-    TraceCounts trace(std::uint64_t first, std::uint64_t count, std::vector<Photon>& out) const;
+    TraceCounts trace(std::uint64_t first, std::uint64_t count, std::vector<Photon>& out) const {
+        return trace(first, count, count, out);
+    }
+    /// The same, each photon with its share of a frame of `frame`: parts of a frame that are traced apart are, put
+    /// together, the frame to the bit.
+    TraceCounts trace(std::uint64_t first, std::uint64_t count, std::uint64_t frame, std::vector<Photon>& out) const;
 
 private:
     const scene::Scene& scene_;

@@ -131,6 +131,10 @@ void Wavefront::emit(Step& step, std::uint64_t first, std::size_t count) const {
         path.flux = emission.flux * perPhoton_;
         path.owner = static_cast<std::uint32_t>(i);
         book(counts.emittedFlux, path.flux);
+        if (path.flux == Rgb(0.0F)) { // of a muted light
+            ++counts.absorbed;
+            continue;
+        }
         if (!withinReach(emission.origin)) {
             ++counts.escaped;
             book(counts.escapedFlux, path.flux);

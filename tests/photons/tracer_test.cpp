@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -137,6 +138,53 @@ TEST(Tracer, AppendsInIndexOrderAndNumbersFromZero) {
             ASSERT_GE(static_cast<int>(out[i].bounce),
                       static_cast<int>(i > 3 && out[i - 1].bounce < out[i].bounce ? out[i - 1].bounce + 1 : 1));
     EXPECT_GT(starts, 1000U);
+}
+
+TEST(Tracer, PartsOfAFrameAreTheFrame) {
+    const test::Traced traced(test::furnace(Rgb(0.5F)), {test::lamp(Vec3(50), Rgb(1000))}, test::roulette(true, 5));
+    std::vector<Photon> whole;
+    traced.tracer().trace(100, 1600, whole);
+    std::vector<Photon> parts;
+    constexpr std::array<std::uint64_t, 4> bounds{0, 100, 1100, 1600};
+    for (std::size_t i = 0; i + 1 < bounds.size(); ++i)
+        traced.tracer().trace(100 + bounds[i], bounds[i + 1] - bounds[i], 1600, parts);
+    ASSERT_EQ(parts.size(), whole.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        EXPECT_EQ(parts[i].position, whole[i].position);
+        EXPECT_EQ(parts[i].flux, whole[i].flux);
+    }
+}
+
+// What an edit of one light takes back and what it leaves are, together, what was there.
+TEST(Tracer, MutedLightsLeaveTheOthersAsTheyWere) {
+    const auto scene = test::furnace(Rgb(0.5F));
+    const std::vector<lights::Light> lights{test::lamp(Vec3(20), Rgb(1000, 0, 0)), test::lamp(Vec3(80), Rgb(0, 700, 0)),
+                                            test::lamp(Vec3(50), Rgb(0, 0, 30))};
+    const auto embree = intersect::makeIntersector(intersect::Kind::Embree, *scene, {});
+    const auto photons = [&](const lights::LightSet& set) {
+        std::vector<Photon> out;
+        const TraceCounts counts = PhotonTracer(*scene, set, *embree, test::roulette(true, 5)).trace(0, 3000, out);
+        EXPECT_EQ(counts.emitted, 3000U);
+        return out;
+    };
+    lights::LightSet set(lights, scene);
+    const std::vector<Photon> all = photons(set);
+    EXPECT_FALSE(set.muted(1));
+    set.mute(1);
+    EXPECT_TRUE(set.muted(1));
+    const std::vector<Photon> others = photons(set);
+    set.muteAllBut(1);
+    EXPECT_TRUE(set.muted(0) && set.muted(2) && !set.muted(1));
+    const std::vector<Photon> own = photons(set);
+    EXPECT_GT(own.size(), 500U);
+    ASSERT_EQ(own.size() + others.size(), all.size());
+    std::size_t a = 0;
+    std::size_t b = 0;
+    for (const Photon& photon : all) {
+        const Photon& half = photon.flux.y > 0.0F ? own[a++] : others[b++];
+        EXPECT_EQ(half.position, photon.position);
+        EXPECT_EQ(half.flux, photon.flux);
+    }
 }
 
 TEST(Tracer, DirectLightIsStoredOnlyIfWanted) {
