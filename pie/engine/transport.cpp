@@ -194,7 +194,10 @@ bool Transport::State::refine() {
     for (std::uint32_t r = 0; r < asked.size(); ++r)
         if (asked[r] == round && !gathering->finished(r)) wanted.push_back(r);
     statistics.unfinished = wanted.size();
-    if (wanted.empty()) return false;
+    if (wanted.empty()) {
+        gathering->update();
+        return false;
+    }
     statistics.gatherRays += gathering->refine(wanted, static_cast<std::uint64_t>(settings.refineRays));
     statistics.refineMs += millisecondsSince(start);
     return true;

@@ -48,10 +48,11 @@ GatherOptions CachedGather::checked(GatherOptions options) {
 
 CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& lights,
                            const intersect::Intersector& intersector, const scene::Receivers& receivers,
-                           const DirectLight* direct, const GatherOptions& options,
+                           DirectLight* direct, const GatherOptions& options,
                            std::shared_ptr<const SurfaceTexels> texels)
-    : receivers_(receivers), direct_(direct), options_(checked(options)),
-      keptTexels_(texels ? std::move(texels) : makeTexels(scene, options)), texels_(*keptTexels_), bright_(texels_),
+    : receivers_(receivers), scene_(scene), lights_(lights), intersector_(intersector), direct_(direct),
+      options_(checked(options)), keptTexels_(texels ? std::move(texels) : makeTexels(scene, options)),
+      texels_(*keptTexels_), bright_(texels_),
       texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
                                                           texelDirectOptions(options.seed))
                           : nullptr),
@@ -74,25 +75,74 @@ std::shared_ptr<const SurfaceTexels> CachedGather::makeTexels(const scene::Scene
 
 void CachedGather::aim(std::span<const photons::Photon> firstHits) { bright_.choose(firstHits); }
 
-void CachedGather::add(std::span<const photons::Photon> photons) {
-    // First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.
-    const auto isFirst = [](const photons::Photon& photon) { return photon.bounce == 0; };
-    if (!std::any_of(photons.begin(), photons.end(), isFirst)) {
-        light_.add(photons);
-        if (firstHits_) firstHits_->add({});
-    } else {
-        std::vector<photons::Photon> first;
-        std::vector<photons::Photon> later;
-        std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first), std::back_inserter(later),
-                            isFirst);
-        light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later));
-        if (firstHits_) firstHits_->add(first);
-    }
+/// First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.
+void CachedGather::split(std::span<const photons::Photon> photons) {
+    first_.clear();
+    later_.clear();
+    std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first_), std::back_inserter(later_),
+                        [](const photons::Photon& photon) { return photon.bounce == 0; });
+}
+
+void CachedGather::add(std::span<const photons::Photon> photons, unsigned parts) {
+    split(photons);
+    light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later_), parts);
+    if (firstHits_) firstHits_->add(first_, parts);
     survey();
-    update();
+    changed_ = true;
+}
+
+void CachedGather::clear() {
+    light_.still().clear(largestPower(lights_, scene_));
+    if (firstHits_) firstHits_->still().clear(largestPower(lights_, scene_));
+    changed_ = true;
+}
+
+void CachedGather::mute(std::uint32_t light, const lights::LightSet& alone, std::span<const photons::Photon> photons) {
+    split(photons);
+    light_.still().takeBack(firstHits_ ? photons : std::span<const photons::Photon>(later_));
+    if (firstHits_) firstHits_->still().takeBack(first_);
+    if (direct_) {
+        const DirectLight ofReceivers(scene_, alone, intersector_, receivers_, direct_->options());
+        direct_->mute(light, ofReceivers);
+        const DirectLight ofTexels(scene_, alone, intersector_, texels_.points(), texelDirect_->options());
+        texelDirect_->mute(light, ofTexels);
+        light_.renewDirect();
+        const unsigned points = texels_.pointsPerTexel();
+        std::vector<std::uint32_t> which;
+        for (const std::uint32_t t : gatheringTexels_)
+            for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
+        texelDirect_->estimate(which, pointDirect_);
+    }
+    changed_ = true;
+}
+
+void CachedGather::setChanging(const DirectLight* direct, double power) {
+    changingDirect_ = direct;
+    TexelLight::Changing& sums = light_.changing(power);
+    sums.first.clear(power);
+    sums.later.clear(power);
+    changed_ = true;
+}
+
+void CachedGather::addChanging(std::span<const photons::Photon> photons, unsigned parts) {
+    split(photons);
+    TexelLight::Changing& sums = light_.changing(1);
+    sums.first.add(first_, parts);
+    sums.later.add(later_, parts);
+    changed_ = true;
+}
+
+void CachedGather::removeChanging(std::span<const photons::Photon> photons, unsigned parts) {
+    split(photons);
+    TexelLight::Changing& sums = light_.changing(1);
+    sums.first.remove(first_, parts);
+    sums.later.remove(later_, parts);
+    changed_ = true;
 }
 
 void CachedGather::update() {
+    if (!changed_) return;
+    changed_ = false;
     light_.update();
     if (firstHits_) firstHits_->update();
     bothWays(light_.radiosity(), true, radiosity_);
@@ -105,7 +155,9 @@ void CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bo
     parallelChunks(gatheringTexels_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t t = gatheringTexels_[i];
-            const Rgb first = direct && !direct_ ? firstHits_->broadIrradiance(t, 1) : Rgb(0.0F);
+            Rgb first(0.0F);
+            if (direct && !direct_) first += firstHits_->broadIrradiance(t, 1);
+            if (direct) first += light_.broadFirst(t, 1);
             for (std::size_t p = i * points; p < (i + 1) * points; ++p) {
                 Rgb light = gathered(pointRows_[p], byPhotons, raysOfPoint()) + first;
                 if (direct && direct_) light += pointDirect_[p];
@@ -136,6 +188,7 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
         return rays_ - before + (direct_ ? direct_->raysTraced() - directBefore : 0) +
                (texelDirect_ ? texelDirect_->raysTraced() - texelBefore : 0);
     };
+    if (direct_) direct_->refine(wanted);
     bool changed = ownTexels(wanted, [&] { return spent() < rays; });
     std::vector<std::uint32_t> now;
     for (unsigned stage = OwnTexel; stage < lastStage() && spent() < rays; ++stage) {
@@ -159,7 +212,8 @@ std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::u
             for (const std::uint32_t r : now) stage_[r] = static_cast<std::uint8_t>(stage + 1);
         }
     }
-    if (changed) update();
+    changed_ = changed_ || changed;
+    update();
     // Where nothing had to be traced there was still progress.
     return changed ? std::max<std::uint64_t>(spent(), 1) : 0;
 }
@@ -250,6 +304,23 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
             irradiance[i] += twice ? glm::max(all - firstHits_->broadIrradiance(texel, enoughFirstHits), 0.0F) : all;
         }
     });
+    addChangingDirect(which, irradiance);
+}
+
+void CachedGather::addChangingDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
+    if (light_.changing() == nullptr) return;
+    if (changingDirect_ != nullptr) {
+        std::vector<Rgb> direct(which.size());
+        changingDirect_->estimate(which, direct);
+        for (std::size_t i = 0; i < which.size(); ++i) irradiance[i] += direct[i];
+        return;
+    }
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        const scene::Receiver& receiver = receivers_.points[which[i]];
+        const std::uint32_t texel =
+            stage_[which[i]] == Unknown ? texels_.near(receiver.inset, receiver.normal) : own_[which[i]];
+        irradiance[i] += light_.broadFirst(texel, enoughFirstHits);
+    }
 }
 
 std::size_t CachedGather::bytes() const {

@@ -16,7 +16,11 @@
 // Rows are made in stages, so that the first picture does not wait: a receiver starts with the light of its own texel,
 // gets its direct light, then rows of ever more rays. refine() makes progress on those that are asked for, least
 // refined first, about as many rays as it is told; what a receiver has once all stages are done does not depend on the
-// order. Protocol: add photons, refine, then ask; add() and refine() by one thread at a time, not while others ask.
+// order. Protocol: add photons, then refine() or update(), then ask; all but asking by one thread at a time, not while
+// others ask.
+//
+// Lights that may change any moment have photons and direct light of their own (changing()), so that what they do is
+// renewed and the rest stands.
 //
 // Combines photons summed into texels (selective photon tracing; GPU gathering), final gathering (pi-engine 3.2.2) and
 // caching. doc/algorithms/cached-gather.md.
@@ -58,7 +62,7 @@ public:
     /// as the texels around the receiver are large. All
     /// references must outlive it. `texels`: from makeTexels() with the same options; null: it makes its own.
     CachedGather(const scene::Scene& scene, const lights::LightSet& lights, const intersect::Intersector& intersector,
-                 const scene::Receivers& receivers, const DirectLight* direct, const GatherOptions& options,
+                 const scene::Receivers& receivers, DirectLight* direct, const GatherOptions& options,
                  std::shared_ptr<const SurfaceTexels> texels = nullptr);
     ~CachedGather() override;
 
@@ -69,12 +73,26 @@ public:
     /// Where lights shine: first hits of some photons. From then on a quarter as many rays again are aimed at what is
     /// bright there. Before anything is refined, or not at all.
     void aim(std::span<const photons::Photon> firstHits);
-    /// One more frame of photons, in the order of their indices.
-    void add(std::span<const photons::Photon> photons);
+    /// Photons of one more frame, or of so many parts of one (PhotonSums), in the order of their indices.
+    void add(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
+    /// Forgets them all.
+    void clear();
+    /// Light `light` of `lights` gives nothing any more: `photons` is what it sent so far, the parts it was added with
+    /// stay. Not with standard errors. `alone` is of this light only.
+    void mute(std::uint32_t light, const lights::LightSet& alone, std::span<const photons::Photon> photons);
+
+    /// Lights that may change, apart from those above: their direct light at the receivers, null where photons bring
+    /// it, and the watts of all of them (PhotonSums). Clears what photons they had sent. Their photons hold first hits.
+    void setChanging(const DirectLight* direct, double power);
+    void addChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
+    void removeChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
+
     /// Spends about `rays` rays on the receivers of `wanted` that are not finished. Returns the rays spent: 0 when all
     /// are.
     std::uint64_t refine(std::span<const std::uint32_t> wanted, std::uint64_t rays);
     [[nodiscard]] bool finished(std::uint32_t receiver) const;
+    /// Makes what was added visible; refine() does so as well. Costs nothing when there is nothing new.
+    void update();
 
     void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override;
     void explain(std::span<const std::uint32_t> which, std::span<Estimate> estimates) const override;
@@ -130,7 +148,8 @@ private:
     /// Points in a new row are numbered as if all texels gathered; numberPoints() then gives them their places.
     [[nodiscard]] Row makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
     void numberPoints(Row& row) const;
-    void update();
+    void split(std::span<const photons::Photon> photons);
+    void addChangingDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
     /// From radiosities by photons those of everything. `direct`: whether direct light is in them.
     void bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct, Radiosities& both) const;
     [[nodiscard]] static Rgb gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n);
@@ -139,7 +158,11 @@ private:
     void explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const;
 
     const scene::Receivers& receivers_;
-    const DirectLight* direct_;
+    const scene::Scene& scene_;
+    const lights::LightSet& lights_;
+    const intersect::Intersector& intersector_;
+    DirectLight* direct_;
+    const DirectLight* changingDirect_ = nullptr;
     GatherOptions options_;
     std::shared_ptr<const SurfaceTexels> keptTexels_;
     const SurfaceTexels& texels_;
@@ -156,10 +179,11 @@ private:
     /// Of every point of the gathering texels.
     std::vector<Row> pointRows_;
     std::vector<Rgb> pointDirect_;
-    std::vector<std::vector<Pair>> pointPairs_; ///< for standard errors
-    Radiosities radiosity_;                     ///< bothWays
+    std::vector<std::vector<Pair>> pointPairs_;  ///< for standard errors
+    Radiosities radiosity_;                      ///< bothWays
+    std::vector<photons::Photon> first_, later_; ///< of what is being added
     std::uint64_t rays_ = 0;
-    bool surveyed_ = false;
+    bool surveyed_ = false, changed_ = true;
 };
 
 } // namespace pie::gather

@@ -120,7 +120,7 @@ DirectLight::DirectLight(const scene::Scene& scene, const lights::LightSet& ligh
                          const intersect::Intersector& intersector, const scene::Receivers& receivers,
                          const DirectOptions& options)
     : receivers_(receivers),
-      context_(std::make_unique<const Context>(Context{
+      context_(std::make_unique<Context>(Context{
           scene, intersector, options, Sources(lights.lights(), options.softness, onPlaneOffsets * rayOffsetFor(scene)),
           rayOffsetFor(scene)})),
       state_(std::make_unique<std::atomic<std::uint8_t>[]>(receivers.points.size())),
@@ -130,9 +130,40 @@ DirectLight::DirectLight(const scene::Scene& scene, const lights::LightSet& ligh
 DirectLight::~DirectLight() = default;
 
 float DirectLight::rayOffset() const { return context_->offset; }
+const DirectOptions& DirectLight::options() const { return context_->options; }
 
 std::size_t DirectLight::bytes() const {
     return receivers_.points.size() * (sizeof(Rgb) + sizeof(float) + 1) + context_->sources.bytes();
+}
+
+void DirectLight::change(const lights::LightSet& lights) {
+    context_->sources = Sources(lights.lights(), context_->options.softness, onPlaneOffsets * context_->offset);
+    for (std::size_t r = 0; r < receivers_.points.size(); ++r) state_[r].store(Unknown, std::memory_order_relaxed);
+}
+
+void DirectLight::mute(std::uint32_t light, const DirectLight& alone) {
+    context_->sources.mute(light);
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t r = 0; r < receivers_.points.size(); ++r)
+        if (known(r)) which.push_back(r);
+    std::vector<Rgb> part(which.size());
+    alone.estimate(which, part);
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        if (part[i] == Rgb(0.0F)) continue;
+        irradiance_[which[i]] = glm::max(irradiance_[which[i]] - part[i], 0.0F);
+        state_[which[i]].store(Rough, std::memory_order_relaxed);
+    }
+}
+
+void DirectLight::refine(std::span<const std::uint32_t> which) {
+    std::vector<std::uint32_t> again;
+    for (const std::uint32_t r : which) {
+        if (!rough(r)) continue;
+        state_[r].store(Unknown, std::memory_order_relaxed);
+        again.push_back(r);
+    }
+    std::vector<Rgb> ignored(again.size());
+    estimate(again, ignored);
 }
 
 void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
@@ -151,7 +182,7 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     std::vector<std::uint32_t> missing;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < which.size(); ++i) {
-        if (state_[which[i]].load(std::memory_order_acquire) == 2) {
+        if (state_[which[i]].load(std::memory_order_acquire) >= Ready) {
             irradiance[i] = irradiance_[which[i]];
             variance[i] = variance_[which[i]];
         } else {
@@ -198,11 +229,11 @@ void DirectLight::compute(std::span<const std::uint32_t> which, std::span<Rgb> i
     for (std::size_t i = 0; i < which.size(); ++i) {
         irradiance[i] = jobs[i].irradiance();
         variance[i] = static_cast<float>(std::min(jobs[i].variance(), double{std::numeric_limits<float>::max()}));
-        std::uint8_t empty = 0;
-        if (state_[which[i]].compare_exchange_strong(empty, 1, std::memory_order_relaxed)) {
+        std::uint8_t empty = Unknown;
+        if (state_[which[i]].compare_exchange_strong(empty, BeingWritten, std::memory_order_relaxed)) {
             irradiance_[which[i]] = irradiance[i];
             variance_[which[i]] = variance[i];
-            state_[which[i]].store(2, std::memory_order_release);
+            state_[which[i]].store(Ready, std::memory_order_release);
         }
     }
 }

@@ -20,7 +20,8 @@
 // and lights of the tail that were not drawn. Everything else is exact.
 //
 // A receiver is computed once, when it is first asked for; every result depends on the scene, the lights and that
-// receiver's position and normal only. Scene and lights are immutable: after an edit, make a new DirectLight.
+// receiver's position and normal only. When lights change: change() where they are few and change every frame, mute()
+// where one of many goes out.
 
 #include "pie/gather/gather.h"
 #include "pie/intersect/intersector.h"
@@ -72,6 +73,16 @@ public:
     /// safe side: soft sources count as sampled at random, which they are not (doc/algorithms/irradiance.md has how
     /// far).
     void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance, std::span<float> variance) const;
+    /// Other lights from now on, which must outlive it as well; all answers are forgotten. Not while others ask.
+    void change(const lights::LightSet& lights);
+    /// This light gives nothing any more. Its part is taken out of the answers there are: exact but for rounding where
+    /// it casts sharp shadows and was tested for certain, else as noisy as it was; such answers are rough() until
+    /// refine(). `alone`: for the same receivers, of this light alone. Not while others ask.
+    void mute(std::uint32_t light, const DirectLight& alone);
+    [[nodiscard]] bool known(std::uint32_t receiver) const { return state_[receiver].load() >= Ready; }
+    [[nodiscard]] bool rough(std::uint32_t receiver) const { return state_[receiver].load() == Rough; }
+    /// Computes those of `which` that are rough as if they had been asked for first now. Not while others ask.
+    void refine(std::span<const std::uint32_t> which);
     [[nodiscard]] std::string_view name() const override { return "direct"; }
 
     [[nodiscard]] std::uint64_t raysTraced() const { return rays_; }
@@ -79,15 +90,17 @@ public:
     [[nodiscard]] std::size_t bytes() const override;
 
     [[nodiscard]] float rayOffset() const; ///< rayOffsetFor(scene)
+    [[nodiscard]] const DirectOptions& options() const;
 
     struct Context; ///< what all receivers share, see direct_sources.h
 
 private:
+    enum State : std::uint8_t { Unknown, BeingWritten, Ready, Rough };
     void compute(std::span<const std::uint32_t> which, std::span<Rgb> irradiance, std::span<float> variance) const;
 
     const scene::Receivers& receivers_;
-    std::unique_ptr<const Context> context_;
-    /// Per receiver: 0 not computed, 1 being written by some thread, 2 ready.
+    std::unique_ptr<Context> context_;
+    /// Per receiver, a State.
     std::unique_ptr<std::atomic<std::uint8_t>[]> state_;
     std::unique_ptr<Rgb[]> irradiance_;
     std::unique_ptr<float[]> variance_;

@@ -139,6 +139,7 @@ void Sources::add(const lights::Light& light, std::uint32_t number, float softne
 
 float Sources::bound(std::size_t source, const Place& place) const {
     const SourceBound& b = bounds_[source];
+    if (b.kind == Kind::None) return 0.0F;
     if (b.kind == Kind::Parallel) {
         const float cosine = glm::dot(b.centre, place.normal);
         const float facing = (place.twoSided ? std::abs(cosine) : cosine) + b.spread;
@@ -162,6 +163,11 @@ float Sources::bound(std::size_t source, const Place& place) const {
         if (distance > 0.0F) angles *= std::min(1.0F, above / distance);
     }
     return std::min(b.largest, b.intensity * angles / std::max(softened, std::numeric_limits<float>::min())) * margin;
+}
+
+void Sources::mute(std::uint32_t light) {
+    for (std::size_t i = 0; i < sources_.size(); ++i)
+        if (sources_[i].number == light) bounds_[i].kind = Kind::None;
 }
 
 Vec3 Sources::pointFor(std::size_t source, const Place& place) const {

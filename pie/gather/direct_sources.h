@@ -31,7 +31,7 @@ struct SourceBound {
     float extraSquared = 0; ///< square units
     float cosineFactor = 1; ///< irradiance goes with min(1, factor · cosine); 0: no cosine at all
     float fade = 0;         ///< linear falloff: intensity − fade · d instead of the inverse square
-    enum class Kind : std::uint8_t { Near, Polygon, TwoSidedPolygon, Parallel, Linear } kind = Kind::Near;
+    enum class Kind : std::uint8_t { Near, Polygon, TwoSidedPolygon, Parallel, Linear, None } kind = Kind::Near;
 };
 
 /// Where light is asked for.
@@ -63,6 +63,8 @@ public:
     [[nodiscard]] std::uint32_t rank(std::size_t source) const { return ranks_[source]; }
     /// Where `sample` and `unoccluded` look from.
     [[nodiscard]] Vec3 pointFor(std::size_t source, const Place& place) const;
+    /// The sources of this light give nothing from now on.
+    void mute(std::uint32_t light);
     [[nodiscard]] std::size_t bytes() const;
 
 private:

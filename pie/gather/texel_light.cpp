@@ -3,37 +3,20 @@
 #include "pie/core/parallel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace pie::gather {
 namespace {
 
-constexpr std::size_t photonsPerTask = 1024;
-// A frame's photons together carry a few times the power of the lights (bounces), so 2⁶³ units hold 10⁷ frames.
-constexpr double unitsOfPower = 0x1p34;
-
-std::int64_t fixedPoint(float flux, double unit) {
-    const double units = static_cast<double>(flux) / unit;
-    // One photon that carries more than all lights together, or is no number, is a mistake of its maker.
-    if (!(std::abs(units) < 0x1p50)) return 0;
-    return std::llround(units);
-}
-
-void addTo(std::int64_t& sum, std::int64_t value) {
-    std::atomic_ref<std::int64_t>(sum).fetch_add(value, std::memory_order_relaxed);
-}
+constexpr std::size_t texelsPerTask = 4096;
 
 TexelLight::Radiosity asRadiosity(const Rgb& light) { return {light.x, light.y, light.z, 0.0F}; }
 
 } // namespace
 
 TexelLight::TexelLight(const SurfaceTexels& texels, double power, const DirectLight* direct, bool keepBatches)
-    : texels_(texels), directLight_(direct),
-      unit_(power > 0 && std::isfinite(power) ? power / unitsOfPower : 1 / unitsOfPower), sums_(texels.levels()) {
+    : texels_(texels), directLight_(direct), still_(texels, power, keepBatches) {
     const std::size_t count = texels.texels().size();
-    for (std::size_t level = 0; level < sums_.size(); ++level) sums_[level].assign(texels.texels(level).size(), Sum{});
-    if (keepBatches) batchSums_.assign(count * batches, Sum{});
     radiosity_.resize(count);
     if (direct == nullptr) return;
     direct_.assign(count, Rgb(0.0F));
@@ -41,21 +24,11 @@ TexelLight::TexelLight(const SurfaceTexels& texels, double power, const DirectLi
     directKnown_.assign(count, 0);
 }
 
-void TexelLight::change(std::span<const photons::Photon> photons, std::int64_t sign) {
-    frames_ += sign;
-    parallelChunks(photons.size(), photonsPerTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const photons::Photon& photon = photons[i];
-            const std::uint32_t texel = texels_.find(photon);
-            if (texel == SurfaceTexels::none) continue;
-            const Sum change{sign * fixedPoint(photon.flux.x, unit_), sign * fixedPoint(photon.flux.y, unit_),
-                             sign * fixedPoint(photon.flux.z, unit_), sign};
-            for (std::size_t c = 0; c < change.size(); ++c) addTo(sums_[0][texel][c], change[c]);
-            if (batchSums_.empty()) continue;
-            Sum& batch = batchSums_[std::size_t{texel} * batches + i * batches / photons.size()];
-            for (std::size_t c = 0; c < change.size(); ++c) addTo(batch[c], change[c]);
-        }
-    });
+TexelLight::Changing& TexelLight::changing(double power) {
+    if (!changing_)
+        changing_ = std::make_unique<Changing>(Changing{PhotonSums(texels_, power, still_.keepsBatches()),
+                                                        PhotonSums(texels_, power, still_.keepsBatches())});
+    return *changing_;
 }
 
 std::size_t TexelLight::direct(std::span<const std::uint32_t> texels) {
@@ -66,7 +39,19 @@ std::size_t TexelLight::direct(std::span<const std::uint32_t> texels) {
         directKnown_[t] = 1;
         fresh.push_back(t);
     }
-    if (fresh.empty()) return 0;
+    takeDirect(fresh);
+    return fresh.size();
+}
+
+void TexelLight::renewDirect() {
+    std::vector<std::uint32_t> known;
+    for (std::uint32_t t = 0; t < directKnown_.size(); ++t)
+        if (directKnown_[t] != 0) known.push_back(t);
+    takeDirect(known);
+}
+
+void TexelLight::takeDirect(std::span<const std::uint32_t> fresh) {
+    if (fresh.empty()) return;
     directChanged_ = true;
     const unsigned points = texels_.pointsPerTexel();
     std::vector<std::uint32_t> which;
@@ -90,33 +75,25 @@ std::size_t TexelLight::direct(std::span<const std::uint32_t> texels) {
         directError_[t] =
             meanChannel(texels_.texels()[t].reflectance) * static_cast<float>(std::sqrt(squares) / points);
     }
-    return fresh.size();
-}
-
-Rgb TexelLight::irradiance(const Sum& sum, const SurfaceTexels::Texel& texel, double scale) const {
-    const double factor = scale * unit_ / (static_cast<double>(texel.area) * static_cast<double>(texel.coverage));
-    // The compiler's negative lights may outweigh the others.
-    const glm::dvec3 light = factor * glm::dvec3(sum[0], sum[1], sum[2]);
-    return {glm::max(light, 0.0)};
 }
 
 void TexelLight::update() {
-    const double scale = frames_ > 0 ? 1 / static_cast<double>(frames_) : 0;
+    still_.update();
+    if (changing_) {
+        changing_->first.update();
+        changing_->later.update();
+    }
     const std::span<const SurfaceTexels::Texel> fine = texels_.texels();
-    parallelChunks(fine.size(), 4 * photonsPerTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-            Rgb light = irradiance(sums_[0][t], fine[t], scale);
+    parallelChunks(fine.size(), texelsPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto t = static_cast<std::uint32_t>(i);
+            Rgb light = still_.irradiance(t);
+            if (changing_) light += changing_->first.irradiance(t) + changing_->later.irradiance(t);
             if (!direct_.empty()) light += direct_[t];
             radiosity_[t] = asRadiosity(light * fine[t].reflectance);
         }
     });
     if (directChanged_) sumDirect();
-    for (std::size_t level = 1; level < sums_.size(); ++level) {
-        std::fill(sums_[level].begin(), sums_[level].end(), Sum{});
-        const std::span<const SurfaceTexels::Texel> children = texels_.texels(level - 1);
-        for (std::size_t t = 0; t < children.size(); ++t)
-            for (std::size_t c = 0; c < 4; ++c) sums_[level][children[t].parent][c] += sums_[level - 1][t][c];
-    }
 }
 
 void TexelLight::sumDirect() {
@@ -145,11 +122,11 @@ Rgb TexelLight::broadDirect(std::uint32_t texel) const {
 }
 
 std::vector<TexelLight::Radiosity> TexelLight::coarseRadiosity(std::size_t level) const {
-    const double scale = frames_ > 0 ? 1 / static_cast<double>(frames_) : 0;
     const std::span<const SurfaceTexels::Texel> coarse = texels_.texels(level);
     std::vector<Radiosity> result(coarse.size());
-    for (std::size_t t = 0; t < coarse.size(); ++t) {
-        Rgb light = irradiance(sums_[level][t], coarse[t], scale);
+    for (std::uint32_t t = 0; t < coarse.size(); ++t) {
+        Rgb light = still_.irradiance(t, level);
+        if (changing_) light += changing_->first.irradiance(t, level) + changing_->later.irradiance(t, level);
         if (level < directSums_.size() && directSums_[level][t].w > 0.0F)
             light += Rgb(directSums_[level][t]) / directSums_[level][t].w;
         result[t] = asRadiosity(light * coarse[t].reflectance);
@@ -159,37 +136,37 @@ std::vector<TexelLight::Radiosity> TexelLight::coarseRadiosity(std::size_t level
 
 std::vector<TexelLight::Radiosity> TexelLight::batchRadiosity(unsigned batch) const {
     std::vector<Radiosity> result(radiosity_.size());
-    if (batchSums_.empty() || frames_ <= 0) return result;
-    const double scale = static_cast<double>(batches) / static_cast<double>(frames_);
-    for (std::size_t t = 0; t < result.size(); ++t)
-        result[t] = asRadiosity(irradiance(batchSums_[t * batches + batch], texels_.texels()[t], scale) *
-                                texels_.texels()[t].reflectance);
+    for (std::uint32_t t = 0; t < result.size(); ++t) {
+        Rgb light = still_.batchIrradiance(t, batch);
+        if (changing_) light += changing_->first.batchIrradiance(t, batch) + changing_->later.batchIrradiance(t, batch);
+        result[t] = asRadiosity(light * texels_.texels()[t].reflectance);
+    }
     return result;
 }
 
-Rgb TexelLight::broadIrradiance(std::uint32_t texel, std::uint32_t enough, std::int64_t* photons) const {
-    if (photons) *photons = 0;
-    if (texel == SurfaceTexels::none || frames_ <= 0) return Rgb(0.0F);
-    const double scale = 1 / static_cast<double>(frames_);
-    std::size_t level = 0;
-    while (level + 1 < sums_.size() && sums_[level][texel][3] < static_cast<std::int64_t>(enough))
-        texel = texels_.texels(level++)[texel].parent;
-    if (photons) *photons = sums_[level][texel][3];
-    return irradiance(sums_[level][texel], texels_.texels(level)[texel], scale);
+Rgb TexelLight::broadFirst(std::uint32_t texel, std::uint32_t enough) const {
+    return changing_ ? changing_->first.broadIrradiance(texel, enough) : Rgb(0.0F);
 }
 
-std::uint32_t TexelLight::photons(std::uint32_t texel) const { return static_cast<std::uint32_t>(sums_[0][texel][3]); }
+Rgb TexelLight::broadIrradiance(std::uint32_t texel, std::uint32_t enough, std::int64_t* photons) const {
+    Rgb light = still_.broadIrradiance(texel, enough, photons);
+    if (!changing_) return light;
+    std::int64_t more = 0;
+    light += changing_->later.broadIrradiance(texel, enough, &more);
+    if (photons) *photons += more;
+    return light;
+}
 
-bool TexelLight::empty() const {
-    const auto zero = [](const Sum& sum) { return sum == Sum{}; };
-    return frames_ == 0 && std::all_of(sums_[0].begin(), sums_[0].end(), zero) &&
-           std::all_of(batchSums_.begin(), batchSums_.end(), zero);
+std::uint32_t TexelLight::photons(std::uint32_t texel) const {
+    std::int64_t sum = still_.photons(texel);
+    if (changing_) sum += changing_->first.photons(texel) + changing_->later.photons(texel);
+    return static_cast<std::uint32_t>(sum);
 }
 
 std::size_t TexelLight::bytes() const {
-    std::size_t sum = batchSums_.size() * sizeof(Sum) + radiosity_.size() * sizeof(Radiosity) +
-                      direct_.size() * (sizeof(Rgb) + sizeof(float) + 1);
-    for (const auto& level : sums_) sum += level.size() * sizeof(Sum);
+    std::size_t sum =
+        still_.bytes() + radiosity_.size() * sizeof(Radiosity) + direct_.size() * (sizeof(Rgb) + sizeof(float) + 1);
+    if (changing_) sum += changing_->first.bytes() + changing_->later.bytes();
     return sum;
 }
 

@@ -70,6 +70,7 @@ struct Cube {
             tracer.trace(1 + f * count, count, photons);
             gather->add(photons);
         }
+        gather->update();
     }
     [[nodiscard]] std::vector<Rgb> light() const {
         std::vector<Rgb> light(receivers.points.size());
@@ -164,7 +165,7 @@ TEST(CachedGather, NothingIsLostAtEdgesAndCorners) {
     }
     GatherOptions options;
     options.rays = 4096;
-    const DirectLight direct(*cube.scene, cube.lights, *cube.intersector, rim);
+    DirectLight direct(*cube.scene, cube.lights, *cube.intersector, rim);
     CachedGather gather(*cube.scene, cube.lights, *cube.intersector, rim, &direct, options);
     // The truth by refining texels: an edge of 8 against the default.
     GatherOptions fineOptions = options;
@@ -260,7 +261,7 @@ TEST(CachedGather, ASceneWithoutSurfaceGivesWhatLightsGive) {
     const lights::LightSet lights({lamp}, shared);
     const auto intersector = intersect::makeIntersector(intersect::Kind::Embree, *shared, {});
     const scene::Receivers receivers = test::receiversAt({receiverAt(Vec3(0, 0, -10), Vec3(0, 0, 1))});
-    const DirectLight direct(*shared, lights, *intersector, receivers);
+    DirectLight direct(*shared, lights, *intersector, receivers);
     CachedGather gather(*shared, lights, *intersector, receivers, &direct, {});
     gather.add({});
     const std::vector<std::uint32_t> which{0};
