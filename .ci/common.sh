@@ -8,7 +8,7 @@ jobs=$(nproc)
 build_packages=(
     g++ cmake ninja-build pkg-config
     libglm-dev libtbb-dev libfmt-dev libembree-dev libjpeg-dev libpng-dev libopenimageio-dev libzip-dev libtomlplusplus-dev
-    libcli11-dev nlohmann-json3-dev libtinyobjloader-dev libopenscenegraph-dev openscenegraph
+    libcli11-dev nlohmann-json3-dev libtinyobjloader-dev libnanoflann-dev libopenscenegraph-dev openscenegraph
 )
 display_packages=(xvfb libgl1-mesa-dri)
 
