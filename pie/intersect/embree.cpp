@@ -1,5 +1,9 @@
 // Embree 3. Robust traversal, so that its answers at shared edges are those of the other two.
 //
+// What is nearest is found by streams (wide_tree.h) in a tree that Embree builds, where the processor can: for rays
+// without order that is faster than Embree's own traversal. Elsewhere, and for whether anything is hit, Embree is
+// asked.
+//
 // Rays that stay together go in packets of 16, which is three to eight times faster; others alone. An answer must not
 // depend on the company a ray keeps: distances are the same to the bit either way, but of two triangles at the same
 // distance Embree reports the one it came to last. So on triangles that lie on top of each other the shared triangle
@@ -8,6 +12,7 @@
 #include "pie/intersect/intersectors.h"
 #include "pie/intersect/overlap.h"
 #include "pie/intersect/triangle_test.h"
+#include "pie/intersect/wide_tree.h"
 
 #include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
@@ -16,6 +21,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -98,8 +104,7 @@ RTCRay toEmbree(const Ray& ray) {
 class Embree final : public Intersector {
 public:
     /// `device` is not null.
-    Embree(Device device, const scene::Scene& scene)
-        : scene_(scene), device_(std::move(device)), overlaps_(findOverlaps(scene)) {
+    Embree(Device device, const scene::Scene& scene, bool streams) : scene_(scene), device_(std::move(device)) {
         rtcSetDeviceMemoryMonitorFunction(device_.get(), &countBytes, &bytes_);
         for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
             if (scene.normals[t] == Vec3(0.0F)) continue;
@@ -108,12 +113,21 @@ public:
         originExtent_ = togetherOrigins * glm::length(scene.bounds.size());
         const Geometry opaque(makeGeometry(scene, triangles_[0]));
         opaque_.reset(makeScene({opaque.get()}));
+        if (streams) {
+            std::vector<std::uint32_t> both;
+            std::merge(triangles_[0].begin(), triangles_[0].end(), triangles_[1].begin(), triangles_[1].end(),
+                       std::back_inserter(both));
+            streams_ = std::make_unique<WideTree>(scene, both);
+            return;
+        }
+        overlaps_ = findOverlaps(scene);
         if (triangles_[1].empty()) return;
         const Geometry others(makeGeometry(scene, triangles_[1]));
         all_.reset(makeScene({opaque.get(), others.get()}));
     }
 
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const override {
+        if (streams_) return streams_->closest(rays, hits);
         std::size_t i = 0;
         for (; i + width <= rays.size(); i += width) {
             const std::span<const Ray> some = rays.subspan(i, width);
@@ -135,7 +149,7 @@ public:
     [[nodiscard]] std::string_view name() const override { return "Embree"; }
     [[nodiscard]] std::size_t bytes() const override {
         const auto held = std::max<std::ptrdiff_t>(bytes_.load(), 0);
-        return sizeof(*this) + static_cast<std::size_t>(held) +
+        return sizeof(*this) + static_cast<std::size_t>(held) + (streams_ ? sizeof(WideTree) + streams_->bytes() : 0) +
                (triangles_[0].capacity() + triangles_[1].capacity()) * sizeof(std::uint32_t) +
                (overlaps_.begin.capacity() + overlaps_.others.capacity()) * sizeof(std::uint32_t);
     }
@@ -247,7 +261,8 @@ private:
     const scene::Scene& scene_;
     std::atomic<std::ptrdiff_t> bytes_{0}; ///< outlives the device, which reports its last frees to it
     Device device_;
-    SceneHandle opaque_, all_;                            ///< all_: only when there is something that is not Opaque
+    std::unique_ptr<const WideTree> streams_;             ///< null: Embree alone finds the nearest hits, too
+    SceneHandle opaque_, all_;                            ///< all_: only when Embree is asked for what is not Opaque
     std::array<std::vector<std::uint32_t>, 2> triangles_; ///< geometry and primitive → Scene::triangles
     Overlaps overlaps_;
     float originExtent_ = 0;
@@ -255,11 +270,11 @@ private:
 
 } // namespace
 
-std::unique_ptr<Intersector> makeEmbree(const scene::Scene& scene) {
+std::unique_ptr<Intersector> makeEmbree(const scene::Scene& scene, bool streams) {
     Device device(rtcNewDevice(nullptr));
     // A processor that Embree does not know: the answers are the same, only slower.
     if (!device) return makeBspTree(scene, {});
-    return std::make_unique<Embree>(std::move(device), scene);
+    return std::make_unique<Embree>(std::move(device), scene, streams && WideTree::supported());
 }
 
 } // namespace pie::intersect

@@ -7,7 +7,8 @@ namespace pie::intersect {
 
 [[nodiscard]] std::unique_ptr<Intersector> makeBruteForce(const scene::Scene& scene);
 [[nodiscard]] std::unique_ptr<Intersector> makeBspTree(const scene::Scene& scene, const level::Tree& tree);
-[[nodiscard]] std::unique_ptr<Intersector> makeEmbree(const scene::Scene& scene);
+/// `streams`: nearest hits by WideTree, where the processor can. Without, Embree alone.
+[[nodiscard]] std::unique_ptr<Intersector> makeEmbree(const scene::Scene& scene, bool streams = true);
 
 [[nodiscard]] inline bool isOpaque(const scene::Scene& scene, std::size_t triangle) {
     return scene.material(triangle).interaction == scene::Interaction::Opaque;

@@ -60,20 +60,34 @@ public:
             wc = difference(bx, ay, by, ax);
         }
         if ((wa < 0.0F || wb < 0.0F || wc < 0.0F) && (wa > 0.0F || wb > 0.0F || wc > 0.0F)) return false;
-        const float sum = wa + wb + wc;
+        return meetsPlane(origin_, direction_, corners, {wa, wb, wc}, meeting) && meeting.t >= tMin && meeting.t < tMax;
+    }
+
+    /// The end of the test, for a line that passes within a triangle: `weights` are of its corners, none of them of
+    /// another sign than the rest. False where it lies in the plane.
+    [[nodiscard]] static bool meetsPlane(const Vec3& origin, const glm::dvec3& direction,
+                                         const std::array<Vec3, 3>& corners, const Vec3& weights, Meeting& meeting) {
+        const float sum = weights.x + weights.y + weights.z;
         if (sum == 0.0F) return false;
         // The weights say where the ray passes, not how far that is: for slivers they are differences of nearly equal
         // products. The plane is exact there too.
-        const glm::dvec3 first(a);
-        const glm::dvec3 normal = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first);
-        const double slope = glm::dot(normal, direction_);
+        const glm::dvec3 first(corners[0] - origin);
+        const glm::dvec3 normal =
+            glm::cross(glm::dvec3(corners[1] - origin) - first, glm::dvec3(corners[2] - origin) - first);
+        const double slope = glm::dot(normal, direction);
         if (slope == 0.0) return false;
         const auto t = static_cast<float>(glm::dot(normal, first) / slope);
-        if (!(t >= tMin && t < tMax)) return false;
         const float perSum = 1.0F / sum;
-        meeting = {t, wb * perSum, wc * perSum};
+        meeting = {t, weights.y * perSum, weights.z * perSum};
         return true;
     }
+
+    /// The two that a triangle is looked at along, and the main one.
+    [[nodiscard]] std::array<std::uint32_t, 3> axes() const {
+        return {static_cast<std::uint32_t>(x_), static_cast<std::uint32_t>(y_), static_cast<std::uint32_t>(z_)};
+    }
+    [[nodiscard]] float shearX() const { return shearX_; }
+    [[nodiscard]] float shearY() const { return shearY_; }
 
 private:
     static float difference(float a, float b, float c, float d) {
