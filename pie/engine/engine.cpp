@@ -115,11 +115,22 @@ bool Engine::advance() {
     return state_->transport->advance();
 }
 
-void Engine::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out) {
-    if (state_->ready)
-        state_->transport->irradiance(which, out);
-    else
-        std::fill(out.begin(), out.end(), Rgb(0.0F));
+void Engine::setLight(std::size_t number, std::optional<lights::Light> light) {
+    if (!showsOurLight(state_->settings)) return;
+    prepare();
+    state_->transport->setLight(number, std::move(light));
+}
+
+std::size_t Engine::lightCount() {
+    if (!showsOurLight(state_->settings)) return 0;
+    prepare();
+    return state_->transport->lightCount();
+}
+
+bool Engine::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out) {
+    if (state_->ready) return state_->transport->irradiance(which, out);
+    std::fill(out.begin(), out.end(), Rgb(0.0F));
+    return true;
 }
 
 void Engine::finish(std::span<const std::uint32_t> which) {

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -56,11 +57,20 @@ public:
     /// What light was found; empty before prepare().
     [[nodiscard]] const lights::ImportedLights& lights() const;
 
-    /// Next frame of photons. Returns whether the light changed. One thread at a time.
+    /// Light number `number` from now on; nullopt: none. Below lights().lights.size(): one of the level's, which so
+    /// moves, changes or goes out. From there on: lights of one's own, in any number. Shows in the next frame; the
+    /// light it throws back is renewed within `accumulation_frames`. By the thread that calls advance(). Calls
+    /// prepare().
+    void setLight(std::size_t number, std::optional<lights::Light> light);
+    /// The number a further light of one's own may take: one more than the largest so far. Calls prepare().
+    [[nodiscard]] std::size_t lightCount();
+
+    /// Next frame of photons. Returns whether there was anything to do: false says that the light stands still, as good
+    /// as the settings let it become. One thread at a time.
     bool advance();
     /// Light at receivers.points[which[i]] in watts per square unit (lightmap units U). Zero before the first
-    /// advance().
-    void irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
+    /// advance(). Returns whether it is that of lightRevision(): with budget_ms some of it may be a few frames old.
+    bool irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
     /// Refines these receivers to the end now, however long it takes. After the first advance() or prepare().
     void finish(std::span<const std::uint32_t> which);
     /// Number of the light that irradiance() answers with; grows whenever advance() changed it.

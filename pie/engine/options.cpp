@@ -1,5 +1,8 @@
 #include "pie/engine/options.h"
 
+#include <algorithm>
+#include <array>
+
 namespace pie::engine {
 
 scene::SceneOptions sceneOptions(const Settings& settings) {
@@ -20,6 +23,25 @@ lights::ImportOptions importOptions(const Settings& settings) {
     options.skyScale = settings.skyScale * settings.lightScale;
     options.linear = settings.colorSpace == ColorSpace::Srgb;
     return options;
+}
+
+Settings withTarget(Settings settings) {
+    if (!(settings.targetError > 0)) return settings;
+    settings.standardErrors = true;
+    struct Rung {
+        float target;
+        int rays;
+        float directTolerance;
+    };
+    // doc/trade.md has what each is good for.
+    constexpr std::array<Rung, 4> ladder{{{4, 128, 2}, {2, 256, 1}, {1, 1024, 0.2F}, {0, 4096, 0.05F}}};
+    const Rung& rung =
+        *std::find_if(ladder.begin(), ladder.end(), [&](const Rung& r) { return settings.targetError >= r.target; });
+    if (settings.origin("gather_rays") == Source::Default) settings.gatherRays = rung.rays;
+    if (settings.origin("direct_tolerance") == Source::Default) settings.directTolerance = rung.directTolerance;
+    // More frames than anybody waits for: the errors say when it is enough.
+    if (settings.origin("still_frames") == Source::Default) settings.stillFrames = 10'000;
+    return settings;
 }
 
 bool gathers(const Settings& settings) {

@@ -56,6 +56,10 @@ struct Settings {
     bool drawSky = true, drawFog = true, animate = true;
     bool deluxe = true; ///< baked: recognise interleaved deluxe lightmaps
 
+    // Speed and accuracy
+    float budgetMs = 0;    ///< milliseconds of a frame for light; 0: no bound
+    float targetError = 0; ///< per cent, relative standard error; 0: none
+
     // Photons
     int photonsFromLight = 10'000; ///< emitted per frame, by all lights together
     int accumulationFrames = 10;

@@ -77,6 +77,20 @@ constexpr std::array table{
         "one by mistake.",
         ""},
 
+    Row{"budget_ms", "Speed and accuracy", &Settings::budgetMs, 0, 10'000, "milliseconds a frame",
+        "Time that light may take of a frame, update and draw together, drawing itself not counted. Photons, "
+        "refinement "
+        "and the order of work then follow from it: lights that change first, then what is in view; answers that do "
+        "not "
+        "fit come a few frames later. 0: a frame takes what photons_from_light and refine_rays cost. What a still view "
+        "ends with is the same.",
+        ""},
+    Row{"target_error", "Speed and accuracy", &Settings::targetError, 0, 100, "per cent",
+        "estimator = gather: trace photons until the relative standard error of what is in view is no larger, or until "
+        "more photons do not help; then idle. gather_rays and direct_tolerance follow from it where they are not set. "
+        "512 bytes a texel more. 0: still_frames says when to stop.",
+        ""},
+
     Row{"photons_from_light", "Photons", &Settings::photonsFromLight, 0, 10'000'000, "photons per frame",
         "Photons that all lights together emit in a frame. Time for tracing and building grows in proportion; noise "
         "falls with the square "

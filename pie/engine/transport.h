@@ -11,9 +11,16 @@
 // `still_frames` frames (`accumulation_frames` where the photons themselves are kept) and then costs nothing: once what
 // is looked at is refined, advance() returns at once and irradiance() copies what the cache holds. Same scene, lights,
 // receivers and settings: same bits, on any number of threads.
+//
+// Lights may be changed between frames (setLight). Where light is gathered, what has not changed keeps its photons and
+// answers, and what has is renewed within `accumulation_frames` frames; elsewhere all photons are renewed.
+//
+// With `budget_ms` a frame does as much as fits into that time, both calls together; what is settled does not depend on
+// it. With `target_error` photons are traced until the standard error of what is in view is that small.
 
 #include "pie/core/vec.h"
 #include "pie/engine/settings.h"
+#include "pie/engine/statistics.h"
 #include "pie/gather/gather.h"
 #include "pie/gather/texels.h"
 #include "pie/intersect/intersector.h"
@@ -24,31 +31,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace pie::engine {
-
-/// What the engine has done so far. Times are wall clock, in milliseconds.
-struct Statistics {
-    std::uint64_t frames = 0;       ///< calls of advance()
-    std::uint64_t framesTraced = 0; ///< of these, frames in which photons were traced
-    std::uint64_t photonsEmitted = 0, raysTraced = 0, photonsStored = 0, photonsEscaped = 0;
-    std::uint64_t photonsInMap = 0;
-    std::uint64_t mapNodesVisited = 0, mapPhotonsVisited = 0; ///< by searches of the photon map
-    std::uint64_t directRays = 0;
-    std::uint64_t directEstimates = 0; ///< receivers whose direct light was computed
-    std::uint64_t estimatesMade = 0, estimatesReused = 0;
-    std::uint64_t gatherRays = 0; ///< of final gathers, with the shadow rays of texels
-    std::uint64_t unfinished = 0; ///< receivers asked for last that will be refined further
-    std::size_t receivers = 0, drawnTriangles = 0, coarseTriangles = 0, lights = 0;
-    double prepareMs = 0, traceMs = 0, buildMs = 0, directMs = 0, refineMs = 0, estimateMs = 0, uploadMs = 0;
-    std::size_t sceneBytes = 0, intersectorBytes = 0, mapBytes = 0, receiverBytes = 0;
-    std::size_t estimatorBytes = 0, directBytes = 0; ///< of the estimator without the map, of direct light at receivers
-    /// One JSON object, keys as above in snake_case.
-    [[nodiscard]] std::string json() const;
-};
 
 /// What tracing and gathering need of a scene, whatever its lights and receivers.
 struct Surroundings {
@@ -72,11 +59,18 @@ public:
 
     [[nodiscard]] const scene::Scene& scene() const;
 
+    /// Light number `number` from now on: below the number of lights it was made with, one of those; from there on,
+    /// lights of one's own. nullopt: none. Shows in the next frame. By the thread that calls advance().
+    void setLight(std::size_t number, std::optional<lights::Light> light);
+    /// Of the lights there have been so far: the number a light of one's own may get next.
+    [[nodiscard]] std::size_t lightCount() const;
+
     /// Next frame of photons. Returns whether the light changed. One thread at a time.
     bool advance();
     /// Light at receivers.points[which[i]] in watts per square unit, as good as it is known. Zero before the first
-    /// advance(). What was asked for since the last advance() is what advance() refines (estimator = gather).
-    void irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
+    /// advance(). What was asked for since the last advance() is what advance() refines (estimator = gather). Returns
+    /// whether the answers are of lightRevision(): with budget_ms those of some frame before may come again.
+    bool irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
     /// Refines these to the end now, however long it takes.
     void finish(std::span<const std::uint32_t> which);
     /// The same with standard error, bias, photons and radius: slow, for tools. Not while advance() runs.

@@ -29,14 +29,6 @@ DirectOptions texelDirectOptions(std::uint64_t seed) {
     return options;
 }
 
-double largestPower(const lights::LightSet& lights, const scene::Scene& scene) {
-    // Of absolute values: the compiler's negative lights send as large photons as others.
-    double power = 0;
-    for (const lights::Light& light : lights.lights())
-        power += static_cast<double>(maxChannel(glm::abs(lights::power(light, scene, lights.portals()))));
-    return power;
-}
-
 } // namespace
 
 GatherOptions CachedGather::checked(GatherOptions options) {
@@ -56,14 +48,14 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
       texelDirect_(direct ? std::make_unique<DirectLight>(scene, lights, intersector, texels_.points(),
                                                           texelDirectOptions(options.seed))
                           : nullptr),
-      light_(texels_, largestPower(lights, scene), options.texelsByPhotons ? nullptr : texelDirect_.get(),
+      light_(texels_, lights.largestPower(), options.texelsByPhotons ? nullptr : texelDirect_.get(),
              options.standardErrors),
       gatherRays_(scene, intersector, texels_, bright_, receivers, rayOffsetFor(scene), options.seed),
       texelGatherRays_(scene, intersector, texels_, bright_, texels_.points(), rayOffsetFor(scene), options.seed),
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
       own_(receivers.points.size(), SurfaceTexels::none), placeOf_(texels_.texels().size(), SurfaceTexels::none) {
     if (!direct || options.texelsByPhotons)
-        firstHits_ = std::make_unique<TexelLight>(texels_, largestPower(lights, scene), nullptr, false);
+        firstHits_ = std::make_unique<TexelLight>(texels_, lights.largestPower(), nullptr, false);
     update();
 }
 
@@ -83,36 +75,39 @@ void CachedGather::split(std::span<const photons::Photon> photons) {
                         [](const photons::Photon& photon) { return photon.bounce == 0; });
 }
 
-void CachedGather::add(std::span<const photons::Photon> photons, unsigned parts) {
+void CachedGather::add(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
     split(photons);
-    light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later_), parts);
-    if (firstHits_) firstHits_->add(first_, parts);
+    light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later_), parts, firstPart);
+    if (firstHits_) firstHits_->add(first_, parts, firstPart);
     survey();
     changed_ = true;
 }
 
 void CachedGather::clear() {
-    light_.still().clear(largestPower(lights_, scene_));
-    if (firstHits_) firstHits_->still().clear(largestPower(lights_, scene_));
+    light_.still().clear(lights_.largestPower());
+    if (firstHits_) firstHits_->still().clear(lights_.largestPower());
     changed_ = true;
 }
 
-void CachedGather::mute(std::uint32_t light, const lights::LightSet& alone, std::span<const photons::Photon> photons) {
+void CachedGather::takeBack(std::span<const photons::Photon> photons) {
     split(photons);
     light_.still().takeBack(firstHits_ ? photons : std::span<const photons::Photon>(later_));
     if (firstHits_) firstHits_->still().takeBack(first_);
-    if (direct_) {
-        const DirectLight ofReceivers(scene_, alone, intersector_, receivers_, direct_->options());
-        direct_->mute(light, ofReceivers);
-        const DirectLight ofTexels(scene_, alone, intersector_, texels_.points(), texelDirect_->options());
-        texelDirect_->mute(light, ofTexels);
-        light_.renewDirect();
-        const unsigned points = texels_.pointsPerTexel();
-        std::vector<std::uint32_t> which;
-        for (const std::uint32_t t : gatheringTexels_)
-            for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
-        texelDirect_->estimate(which, pointDirect_);
-    }
+    changed_ = true;
+}
+
+void CachedGather::mute(std::uint32_t light, const lights::LightSet& alone) {
+    if (!direct_) return;
+    const DirectLight ofReceivers(scene_, alone, intersector_, receivers_, direct_->options());
+    direct_->mute(light, ofReceivers);
+    const DirectLight ofTexels(scene_, alone, intersector_, texels_.points(), texelDirect_->options());
+    texelDirect_->mute(light, ofTexels);
+    light_.renewDirect();
+    const unsigned points = texels_.pointsPerTexel();
+    std::vector<std::uint32_t> which;
+    for (const std::uint32_t t : gatheringTexels_)
+        for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
+    texelDirect_->estimate(which, pointDirect_);
     changed_ = true;
 }
 
@@ -124,19 +119,19 @@ void CachedGather::setChanging(const DirectLight* direct, double power) {
     changed_ = true;
 }
 
-void CachedGather::addChanging(std::span<const photons::Photon> photons, unsigned parts) {
+void CachedGather::addChanging(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
     split(photons);
     TexelLight::Changing& sums = light_.changing(1);
-    sums.first.add(first_, parts);
-    sums.later.add(later_, parts);
+    sums.first.add(first_, parts, firstPart);
+    sums.later.add(later_, parts, firstPart);
     changed_ = true;
 }
 
-void CachedGather::removeChanging(std::span<const photons::Photon> photons, unsigned parts) {
+void CachedGather::removeChanging(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
     split(photons);
     TexelLight::Changing& sums = light_.changing(1);
-    sums.first.remove(first_, parts);
-    sums.later.remove(later_, parts);
+    sums.first.remove(first_, parts, firstPart);
+    sums.later.remove(later_, parts, firstPart);
     changed_ = true;
 }
 

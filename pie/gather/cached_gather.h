@@ -74,18 +74,21 @@ public:
     /// bright there. Before anything is refined, or not at all.
     void aim(std::span<const photons::Photon> firstHits);
     /// Photons of one more frame, or of so many parts of one (PhotonSums), in the order of their indices.
-    void add(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
+    void add(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches, unsigned firstPart = 0);
     /// Forgets them all.
     void clear();
-    /// Light `light` of `lights` gives nothing any more: `photons` is what it sent so far, the parts it was added with
-    /// stay. Not with standard errors. `alone` is of this light only.
-    void mute(std::uint32_t light, const lights::LightSet& alone, std::span<const photons::Photon> photons);
+    /// Light `light` of `lights` gives no direct light any more. `alone` is of this light only.
+    void mute(std::uint32_t light, const lights::LightSet& alone);
+    /// Takes out photons it sent, in any portions; the parts they were added with stay. Not with standard errors.
+    void takeBack(std::span<const photons::Photon> photons);
 
     /// Lights that may change, apart from those above: their direct light at the receivers, null where photons bring
     /// it, and the watts of all of them (PhotonSums). Clears what photons they had sent. Their photons hold first hits.
     void setChanging(const DirectLight* direct, double power);
-    void addChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
-    void removeChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches);
+    void addChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches,
+                     unsigned firstPart = 0);
+    void removeChanging(std::span<const photons::Photon> photons, unsigned parts = PhotonSums::batches,
+                        unsigned firstPart = 0);
 
     /// Spends about `rays` rays on the receivers of `wanted` that are not finished. Returns the rays spent: 0 when all
     /// are.

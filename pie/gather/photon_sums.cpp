@@ -44,14 +44,13 @@ void PhotonSums::clear(double power) {
     std::fill(batchSums_.begin(), batchSums_.end(), Sum{});
 }
 
-void PhotonSums::add(std::span<const photons::Photon> photons, unsigned parts) {
-    change(photons, 1, static_cast<unsigned>(parts_ % batches), parts);
+void PhotonSums::add(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
+    change(photons, 1, firstPart, parts);
     parts_ += parts;
 }
 
-void PhotonSums::remove(std::span<const photons::Photon> photons, unsigned parts) {
-    // Whole frames start with the first batch wherever they stand.
-    change(photons, -1, 0, parts);
+void PhotonSums::remove(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
+    change(photons, -1, firstPart, parts);
     parts_ -= parts;
 }
 

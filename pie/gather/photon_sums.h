@@ -32,9 +32,10 @@ public:
     PhotonSums(const SurfaceTexels& texels, double power, bool keepBatches);
 
     /// Photons of `parts` parts of a frame, in the order of their indices. Each carries its share of a whole frame's
-    /// light. They count to the batches in turns. What is removed was added with the same number of parts.
-    void add(std::span<const photons::Photon> photons, unsigned parts = batches);
-    void remove(std::span<const photons::Photon> photons, unsigned parts = batches);
+    /// light. They count to the batches from number `firstPart` on, in turns. What is removed was added with the same
+    /// numbers.
+    void add(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0);
+    void remove(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0);
     /// Takes photons out without taking parts out: of a light that sends nothing any more. Not with batches.
     void takeBack(std::span<const photons::Photon> photons);
     /// Back to none, and to units of another power.

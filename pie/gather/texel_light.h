@@ -30,8 +30,10 @@ public:
     TexelLight(const SurfaceTexels& texels, double power, const DirectLight* direct, bool keepBatches);
 
     /// Photons of the lights that stand still, see PhotonSums.
-    void add(std::span<const photons::Photon> photons, unsigned parts = batches) { still_.add(photons, parts); }
-    void remove(std::span<const photons::Photon> photons, unsigned parts = batches) { still_.remove(photons, parts); }
+    void add(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0) {
+        still_.add(photons, parts, firstPart);
+    }
+    void remove(std::span<const photons::Photon> photons) { still_.remove(photons); }
     [[nodiscard]] PhotonSums& still() { return still_; }
     [[nodiscard]] const PhotonSums& still() const { return still_; }
 

@@ -85,6 +85,13 @@ void LightSet::finish() {
     }
 }
 
+double LightSet::largestPower() const {
+    double sum = 0;
+    for (const Light& light : lights_)
+        sum += static_cast<double>(maxChannel(glm::abs(power(light, *scene_, portals_))));
+    return sum;
+}
+
 void LightSet::mute(std::uint32_t light) {
     muted_.resize(lights_.size(), 0);
     muted_[light] = 1;

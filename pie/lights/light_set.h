@@ -29,6 +29,9 @@ public:
 
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }
     [[nodiscard]] Rgb totalPower() const { return totalPower_; }  ///< watts
+    /// Watts of all lights together, largest channel of absolute values: the compiler's negative lights send as large
+    /// photons as others.
+    [[nodiscard]] double largestPower() const;
     [[nodiscard]] bool empty() const { return entries_.empty(); } ///< nothing to emit
     [[nodiscard]] const SkyPortals& portals() const { return portals_; }
     /// Photons of a muted light carry no flux; those of the others stay as they are, to the bit.

@@ -140,7 +140,8 @@ TEST(ChangingLights, ALightThatGoesOutTakesItsLightAlong) {
         edited.finish();
         lights::LightSet alone = edited.lights;
         alone.muteAllBut(1);
-        edited.gather.mute(1, lights::LightSet({right}, room.scene), room.photons(alone, 0, 4, byPhotons));
+        edited.gather.mute(1, lights::LightSet({right}, room.scene));
+        edited.gather.takeBack(room.photons(alone, 0, 4, byPhotons));
         edited.gather.update();
         lights::LightSet rest = edited.lights;
         rest.mute(1);
@@ -149,7 +150,7 @@ TEST(ChangingLights, ALightThatGoesOutTakesItsLightAlong) {
         Gathering fresh(room, {left, right}, {}, byPhotons);
         fresh.direct.mute(
             1, DirectLight(*room.scene, lights::LightSet({right}, room.scene), *room.intersector, room.receivers));
-        fresh.gather.mute(1, lights::LightSet({right}, room.scene), {});
+        fresh.gather.mute(1, lights::LightSet({right}, room.scene));
         fresh.gather.add(room.photons(rest, 0, 4, byPhotons), 4 * PhotonSums::batches);
         fresh.finish();
         EXPECT_LT(rms(edited.light(), fresh.light()), 1e-5) << byPhotons;
