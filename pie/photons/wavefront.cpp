@@ -56,12 +56,12 @@ struct Wavefront::Step {
     std::vector<Hit> hits;
 };
 
-void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) const {
-    std::vector<std::uint32_t> place(indices + 1, 0);
-    for (const std::uint32_t i : owner) ++place[i + 1];
-    for (std::size_t i = 0; i < indices; ++i) place[i + 1] += place[i];
+void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) {
+    places.assign(indices + 1, 0);
+    for (const std::uint32_t i : owner) ++places[i + 1];
+    for (std::size_t i = 0; i < indices; ++i) places[i + 1] += places[i];
     for (std::size_t i = 0; i < photons.size(); ++i) {
-        const std::uint32_t to = place[owner[i]]++;
+        const std::uint32_t to = places[owner[i]]++;
         out[to] = photons[i];
         out[to].id = firstId + to;
     }
@@ -81,8 +81,8 @@ Wavefront::Wavefront(const scene::Scene& scene, const lights::LightSet& lights,
     if (options.scattering != TracerOptions::Scattering::Splitting) return;
     const std::uint32_t wanted = splitChildren(options);
     std::uint32_t paths = 1;
-    while (wanted > 1 && branches_.size() < options.recursionDepth && paths * wanted <= maxPathsPerPhoton)
-        branches_.push_back({wanted, paths *= wanted});
+    while (wanted > 1 && splits_ < options.recursionDepth && paths * wanted <= maxPathsPerPhoton)
+        branches_[splits_++] = {wanted, paths *= wanted};
 }
 
 void Wavefront::run(std::uint64_t first, std::size_t count, WavefrontResult& result) const {
@@ -251,7 +251,7 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
     ++next.bounce;
 
     if (options_.scattering == TracerOptions::Scattering::Splitting) {
-        const std::uint32_t children = path.bounce < branches_.size() ? branches_[path.bounce].children : 1;
+        const std::uint32_t children = path.bounce < splits_ ? branches_[path.bounce].children : 1;
         const auto directions = sampling::fan(numbers, index, dimension, path.branch, children);
         const Frame surface(normal);
         next.flux = reflected / static_cast<float>(children);

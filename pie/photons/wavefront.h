@@ -4,6 +4,9 @@
 
 #include "pie/photons/tracer.h"
 
+#include <array>
+#include <bit>
+
 namespace pie::photons {
 
 /// What the tracer asks about a hit, packed: a hit costs one cache line of faces, and all materials stay in the cache.
@@ -25,13 +28,14 @@ struct Surroundings {
 };
 
 struct WavefrontResult {
-    std::vector<Photon> photons;      ///< in the order of tracing: step by step
-    std::vector<std::uint32_t> owner; ///< index of each, from the chunk's first
+    std::vector<Photon> photons;       ///< in the order of tracing: step by step
+    std::vector<std::uint32_t> owner;  ///< index of each, from the chunk's first
+    std::vector<std::uint32_t> places; ///< memory of writeTo
     std::size_t indices = 0;
     TraceCounts counts;
 
     /// Writes the photons in index order, those of an index in the order of their bounces, and numbers them.
-    void writeTo(Photon* out, std::uint32_t firstId) const;
+    void writeTo(Photon* out, std::uint32_t firstId);
 };
 
 /// Children of a hit that splits in full.
@@ -45,7 +49,7 @@ public:
               const Surroundings& surroundings, std::uint64_t total);
     void run(std::uint64_t first, std::size_t count, WavefrontResult& result) const;
     /// Paths an index can branch into.
-    [[nodiscard]] std::size_t widest() const { return branches_.empty() ? 1 : branches_.back().paths; }
+    [[nodiscard]] std::size_t widest() const { return splits_ == 0 ? 1 : branches_[splits_ - 1].paths; }
 
 private:
     struct Path {
@@ -85,8 +89,9 @@ private:
     const sampling::Sequence& emission_;
     const sampling::Sequence& reflection_;
     const Surroundings& surroundings_;
-    float perPhoton_; ///< one over the photons of the frame
-    std::vector<Branching> branches_;
+    float perPhoton_;                                                   ///< one over the photons of the frame
+    std::array<Branching, std::bit_width(maxPathsPerPhoton)> branches_; ///< each at least doubles the paths
+    std::size_t splits_ = 0;                                            ///< of `branches_`
 };
 
 } // namespace pie::photons
