@@ -1,6 +1,7 @@
 // piebench: what a frame costs, how true it is, and what the paper's tables look like today.
 
 #include "apps/piebench/frame.h"
+#include "apps/piebench/paper.h"
 #include "apps/piebench/stop.h"
 #include "pie/core/parallel.h"
 
@@ -31,6 +32,7 @@ struct Common {
 struct Arguments {
     Common common;
     piebench::FrameOptions frame;
+    piebench::PaperOptions paper;
     std::string estimator = "gather", tracer = "pie", cache;
     std::vector<std::string> against;
     bool noReference = false;
@@ -104,6 +106,47 @@ CLI::App* describeFrame(CLI::App& app, Arguments& a) {
     return frame;
 }
 
+/// What the three commands about the paper share.
+CLI::App* describePaper(CLI::App& app, Arguments& a, const char* name, const char* what, const char* examples) {
+    CLI::App* command = app.add_subcommand(name, what);
+    command->footer(fmt::format(
+        "Examples:\n{}\n\n"
+        "The paper's path, k = 50 nearest photons over pi r² and all light from photons, and our gather beside\n"
+        "it. Frame rates are those of light alone; the paper's, on a 3 GHz Pentium 4, include drawing.\n"
+        "Times are of the processor with one thread, else wall clock; medians.\n"
+        "Exit status: 0 measured, 1 a file cannot be read, 2 wrong arguments.",
+        examples));
+    command->add_option("--seconds", a.paper.seconds, "of every measurement, at least")
+        ->check(CLI::Range(0.0, 3600.0))
+        ->capture_default_str();
+    describeCommon(*command, a.common);
+    return command;
+}
+
+CLI::App* describeTable61(CLI::App& app, Arguments& a) {
+    CLI::App* command =
+        describePaper(app, a, "table61", "the paper's table 6.1: frame rate by photons and triangles",
+                      "  piebench table61\n  piebench table61 levels/maps/small.map --most 6400 --json");
+    command->add_option("LEVEL", a.paper.level, "default: small, of our levels");
+    command->add_option("--most", a.paper.most, "leave out cells of more photons or triangles")
+        ->check(CLI::Range(400, 25'600))
+        ->capture_default_str();
+    return command;
+}
+
+CLI::App* describeTable62(CLI::App& app, Arguments& a) {
+    CLI::App* command =
+        describePaper(app, a, "table62", "the paper's table 6.2: frame rate by accumulation frames",
+                      "  piebench table62\n  piebench table62 levels/maps/normal.map --triangles 25600 --threads 2");
+    command->add_option("LEVEL", a.paper.level, "default: normal, of our levels");
+    command->add_option("--photons", a.paper.photons, "kept, over all frames, about")
+        ->check(CLI::Range(64, 5'000'000))
+        ->capture_default_str();
+    command->add_option("--triangles", a.paper.triangles, "refine to so many (default: not refined)")
+        ->check(CLI::Range(1, 10'000'000));
+    return command;
+}
+
 pie::engine::Settings settingsOf(const Common& common) {
     pie::engine::Settings settings;
     constexpr auto source = pie::engine::Source::CommandLine;
@@ -115,6 +158,10 @@ pie::engine::Settings settingsOf(const Common& common) {
     return settings;
 }
 
+void print(const Common& common, const piebench::Json& report, std::string (*text)(const piebench::Json&)) {
+    fmt::print("{}", common.json ? report.dump(2) + "\n" : text(report));
+}
+
 void runFrame(Arguments& a) {
     const pie::engine::Settings settings = settingsOf(a.common);
     a.frame.measured = a.tracer == "embree" ? Contender::Embree : contenders.at(a.estimator);
@@ -123,8 +170,7 @@ void runFrame(Arguments& a) {
         throw Stop{"--tracer embree is measured alone; --against embree compares", Misused};
     a.frame.judged = !a.noReference;
     a.frame.reference.folder = a.cache;
-    const piebench::Json report = piebench::measureFrame(a.frame, settings);
-    fmt::print("{}", a.common.json ? report.dump(2) + "\n" : piebench::frameText(report));
+    print(a.common, piebench::measureFrame(a.frame, settings), piebench::frameText);
 }
 
 } // namespace
@@ -136,6 +182,11 @@ int main(int argc, char** argv) {
         CLI::App app{"What a frame costs and how true it is; the paper's tables, measured again."};
         app.require_subcommand(1);
         const CLI::App* frame = describeFrame(app, arguments);
+        const CLI::App* table61 = describeTable61(app, arguments);
+        const CLI::App* table62 = describeTable62(app, arguments);
+        const CLI::App* statements = describePaper(
+            app, arguments, "statements", "what the paper says of its parameters, each with what is measured here",
+            "  piebench statements\n  piebench statements --seconds 1 --json");
         try {
             app.parse(argc, argv);
         } catch (const CLI::Success& asked) {
@@ -144,7 +195,12 @@ int main(int argc, char** argv) {
             say(fmt::format("{} (see --help)", error.what()));
             return Misused;
         }
-        if (*frame) runFrame(arguments);
+        if (*frame) return runFrame(arguments), Done;
+        const pie::engine::Settings settings = settingsOf(arguments.common);
+        if (*table61) print(arguments.common, piebench::table61(arguments.paper, settings), piebench::table61Text);
+        if (*table62) print(arguments.common, piebench::table62(arguments.paper, settings), piebench::table62Text);
+        if (*statements)
+            print(arguments.common, piebench::statements(arguments.paper, settings), piebench::statementsText);
         return Done;
     } catch (const Stop& stop) {
         say(stop.message);

@@ -38,7 +38,9 @@ protected:
 
     [[nodiscard]] static CommandResult bench(std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), PIEBENCH);
-        return run(arguments);
+        CommandOptions patient;
+        patient.timeoutSeconds = 300;
+        return run(arguments, patient);
     }
     /// JSON of a run that went well.
     [[nodiscard]] static Json report(std::vector<std::string> arguments) {
@@ -174,6 +176,47 @@ TEST_F(Piebench, ThreadsAndTextAndRaysAlone) {
     EXPECT_THAT(text.out, HasSubstr("| gather | steady |"));
 }
 
+TEST_F(Piebench, TheTablesOfThePaper) {
+    const Json rates = report({"table61", "--most", "800", "--seconds", "0", "--set", "gather_rays=4"});
+    EXPECT_EQ(rates["level"], "small");
+    ASSERT_EQ(rates["cells"].size(), 4U);
+    EXPECT_EQ(rates["cells"][0]["paper_fps"], 460);
+    EXPECT_EQ(rates["cells"][2]["paper_fps"], 344); // 800 triangles, 400 photons
+    EXPECT_EQ(rates["cells"][2]["triangles"], 800);
+    for (const Json& cell : rates["cells"])
+        for (const char* key : {"nearest_ms", "nearest_fps", "gather_ms", "gather_fps"}) EXPECT_GT(cell[key], 0.0);
+    expectKeys(rates["exponents"], {"paper", "nearest", "gather"});
+    // Of the paper's own four numbers, by hand: slope of log(1 / rate) over log(triangles + photons).
+    EXPECT_NEAR(rates["exponents"]["paper"].get<double>(), 0.918, 0.0006);
+    EXPECT_EQ(rates["targets"].size(), 2U);
+
+    const Json renewal =
+        report({"table62", smallLevel, "--photons", "640", "--seconds", "0", "--set", "gather_rays=4"});
+    ASSERT_EQ(renewal["rows"].size(), 7U);
+    for (const Json& row : renewal["rows"])
+        for (const char* which : {"nearest", "gather"}) {
+            const double frames = row["accumulation_frames"];
+            EXPECT_NEAR(row[std::string(which) + "_fps"].get<double>() *
+                            row[std::string(which) + "_renewal_s"].get<double>(),
+                        frames, 0.01 * frames);
+        }
+    EXPECT_EQ(renewal["rows"][4]["paper_renewal_s"], 1.94);
+}
+
+TEST_F(Piebench, TheStatementsOfThePaper) {
+    const Json json = report({"statements", "--seconds", "0"});
+    ASSERT_EQ(json["statements"].size(), 12U);
+    for (const Json& statement : json["statements"]) {
+        expectKeys(statement, {"statement", "where", "paper", "measured", "verdict"});
+        EXPECT_GE(statement["measured"], 0.0);
+        // Corners over receivers are counted, not timed.
+        if (statement["statement"].get<std::string>().find("5–6 times") != std::string::npos) {
+            EXPECT_NEAR(statement["measured"].get<double>(), 5, 1);
+            EXPECT_EQ(statement["verdict"], "agrees");
+        }
+    }
+}
+
 TEST_F(Piebench, OneLineForWhatCannotBeDone) {
     expectOneLine({}, 2, "subcommand");
     expectOneLine({"frame"}, 2, "LEVEL");
@@ -185,6 +228,10 @@ TEST_F(Piebench, OneLineForWhatCannotBeDone) {
     expectOneLine({"frame", cornellLevel, "--tracer", "embree", "--against", "gather"}, 2, "--against embree");
     expectOneLine({"frame", "nowhere.map"}, 1, "nowhere.map");
     expectOneLine({"frame", cornellLevel, "--set", "recursion_depth=0"}, 1, "keeps 0 of");
+    expectOneLine({"table61", "--most", "1"}, 2, "--most");
+    expectOneLine({"table61", cornellLevel, "--set", "seed=x"}, 2, "seed");
+    expectOneLine({"table62", "nowhere.map"}, 1, "nowhere.map");
+    expectOneLine({"statements", "what"}, 2, "what");
     const std::string file = folder_.write("file", "");
     expectOneLine({"frame", cornellLevel, "--sample", "1", "--most-paths", "16", "--cache", file}, 1,
                   "cannot be written");
