@@ -1,0 +1,25 @@
+#include "apps/pietrade/stop.h"
+
+#include <csignal>
+
+namespace pietrade {
+namespace {
+
+volatile std::sig_atomic_t asked = 0;
+
+void ask(int /*signal*/) { asked = 1; }
+
+} // namespace
+
+void catchInterrupts() {
+    struct sigaction action {};
+    action.sa_handler = ask;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return asked != 0; }
+
+} // namespace pietrade
