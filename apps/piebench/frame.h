@@ -39,5 +39,6 @@ struct FrameOptions {
 [[nodiscard]] Json machineJson();
 /// Rounded to so many significant digits: nothing measured has more.
 [[nodiscard]] double rounded(double value, int digits = 4);
+[[nodiscard]] double number(const Json& value); ///< 0 where it is none
 
 } // namespace piebench

@@ -9,8 +9,6 @@
 namespace piebench {
 namespace {
 
-double number(const Json& value) { return value.is_number() ? value.get<double>() : 0.0; }
-
 std::string percent(const Json& errors, const char* key) {
     return errors.is_object() ? fmt::format("{:.1f}", 100 * number(errors[key])) : "–";
 }
@@ -25,6 +23,8 @@ void frameRow(fmt::memory_buffer& text, const Json& run, const char* kind) {
 }
 
 } // namespace
+
+double number(const Json& value) { return value.is_number() ? value.get<double>() : 0.0; }
 
 std::string frameText(const Json& report) {
     fmt::memory_buffer text;

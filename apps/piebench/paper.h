@@ -31,8 +31,8 @@ struct PaperOptions {
 [[nodiscard]] Json statements(const PaperOptions& options, const pie::engine::Settings& settings);
 [[nodiscard]] std::string statementsText(const Json& report);
 
-/// Settings of the paper's path where nothing was set: its estimate, no direct light but that of photons, T-junctions as
-/// they are.
+/// Settings of the paper's path where nothing was set: its estimate, no direct light but that of photons, T-junctions
+/// as they are.
 [[nodiscard]] pie::engine::Settings paperSettings(const pie::engine::Settings& settings);
 /// Frames that keep about `photons` stored photons over `accumulation` of them.
 [[nodiscard]] std::unique_ptr<Frames> pacedFrames(Estimator estimator, const Subject& subject,

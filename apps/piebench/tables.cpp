@@ -78,8 +78,6 @@ void show(const char* what, std::size_t done, std::size_t all) {
         fmt::print(stderr, "\rpiebench: {}, {} of {}{}", what, done, all, done == all ? "\n" : "");
 }
 
-double number(const Json& value) { return value.is_number() ? value.get<double>() : 0; }
-
 void headText(fmt::memory_buffer& text, const Json& report) {
     const Json& machine = report["machine"];
     fmt::format_to(std::back_inserter(text),
