@@ -257,11 +257,14 @@ void Transport::State::take(std::vector<photons::Photon>&& photons, unsigned par
 /// Spends the rays of a frame on what was asked for since the last one. Returns whether any light changed.
 bool Transport::State::refine(std::uint64_t rays) {
     if (!gathering) return false;
-    if (!askedInRound && statistics.unfinished == 0) {
-        gathering->update();
-        return false;
-    }
     const auto start = Clock::now();
+    // What texels reflect is made from their sums anew: a part of building, whoever asks for it.
+    const auto update = [&] {
+        gathering->update();
+        statistics.buildMs += millisecondsSince(start);
+        return false;
+    };
+    if (!askedInRound && statistics.unfinished == 0) return update();
     wanted.clear();
     receiversAsked = 0;
     for (std::uint32_t r = 0; r < asked.size(); ++r) {
@@ -270,10 +273,7 @@ bool Transport::State::refine(std::uint64_t rays) {
         if (!gathering->finished(r)) wanted.push_back(r);
     }
     statistics.unfinished = wanted.size();
-    if (wanted.empty()) {
-        gathering->update();
-        return false;
-    }
+    if (wanted.empty()) return update();
     const std::uint64_t traced = gathering->refine(wanted, rays);
     statistics.gatherRays += traced;
     const double ms = millisecondsSince(start);
