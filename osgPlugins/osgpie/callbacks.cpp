@@ -23,6 +23,15 @@ void AdvanceCallback::announce() {
         OSG_INFO << '[' << kind << "] " << engine_->level().name << ": " << warning << std::endl;
 }
 
+void AdvanceCallback::announceStill() {
+    if (!osg::isNotifyEnabled(osg::INFO)) return;
+    const pie::engine::Statistics statistics = engine_->statistics();
+    OSG_INFO << "[pie] " << engine_->level().name << ": light stands still after " << statistics.photonsEmitted
+             << " photons and " << statistics.frames << " frames";
+    if (statistics.errorPercent >= 0) OSG_INFO << "; standard error " << statistics.errorPercent << " %";
+    OSG_INFO << std::endl;
+}
+
 void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
     if (!node) return;
     const osg::FrameStamp* stamp = visitor ? visitor->getFrameStamp() : nullptr;
@@ -32,8 +41,12 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
             if (auto* level = dynamic_cast<LevelNode*>(node)) level->complete();
             announce();
         }
+        if (flashlight_) flashlight_->follow();
         const bool settled = !engine_->advance();
-        if (!started_ || settled != settled_) node->setUserValue("pie.settled", settled);
+        if (!started_ || settled != settled_) {
+            node->setUserValue("pie.settled", settled);
+            if (settled) announceStill();
+        }
         settled_ = settled;
         if (engine_->settings().stats) node->setUserValue("pie.statistics", engine_->statistics().json());
         started_ = true;
@@ -52,7 +65,8 @@ IrradianceCallback::IrradianceCallback(std::shared_ptr<pie::engine::Engine> engi
 bool IrradianceCallback::refresh() const {
     const std::uint64_t revision = engine_->lightRevision();
     if (revision == revision_) return false;
-    engine_->irradiance(receivers_, irradiance_);
+    // Light of some frame before is on the vertices already; the next draw asks again.
+    if (!engine_->irradiance(receivers_, irradiance_) && revision_ != 0) return false;
     osg::Vec4Array& colours = *colours_;
     for (std::size_t i = 0; i < receiverOfVertex_.size(); ++i) {
         const pie::Rgb light = irradiance_[receiverOfVertex_[i]] * scale_;

@@ -1,6 +1,7 @@
 #pragma once
 // How light gets into the draw: traced in the update stage, fetched in the draw stage for what survived culling.
 
+#include "osgPlugins/osgpie/flashlight.h"
 #include "pie/engine/engine.h"
 
 #include <osg/Array>
@@ -15,15 +16,19 @@ namespace osgpie {
 
 /// Update callback of the level's root: one step of the engine per frame, however many views traverse it. The node's
 /// user value "pie.settled" (bool) says whether the light stands still: all photons are there, and what is in view is
-/// refined.
+/// refined. That it came to stand still is also said at OSG's level INFO.
 class AdvanceCallback : public osg::NodeCallback {
 public:
-    explicit AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
+    /// `flashlight` may be null.
+    AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine, const osg::ref_ptr<Flashlight>& flashlight)
+        : engine_(std::move(engine)), flashlight_(flashlight) {}
     void operator()(osg::Node* node, osg::NodeVisitor* visitor) override;
 
 private:
     std::shared_ptr<pie::engine::Engine> engine_;
+    osg::ref_ptr<Flashlight> flashlight_;
     void announce();
+    void announceStill();
     unsigned lastFrame_ = 0;
     bool started_ = false, settled_ = false;
 };

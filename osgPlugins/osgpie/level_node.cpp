@@ -52,7 +52,11 @@ osg::ref_ptr<LevelNode> makeLevelNode(std::shared_ptr<pie::engine::Engine> engin
     if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level, *states, largestLight(settings)))
         root->addChild(sprites);
     if (const osg::ref_ptr<osg::Node> sky = states->makeSky()) root->addChild(sky);
-    if (showsOurLight(settings)) root->addUpdateCallback(new AdvanceCallback(engine));
+    if (showsOurLight(settings)) {
+        osg::ref_ptr<Flashlight> flashlight;
+        if (settings.flashlight) root->addCullCallback(flashlight = new Flashlight(engine));
+        root->addUpdateCallback(new AdvanceCallback(engine, flashlight));
+    }
     if (!engine->refined())
         root->completeLater(std::make_unique<RefinedWorld>(std::move(engine), std::move(states), std::move(place)));
     return root;

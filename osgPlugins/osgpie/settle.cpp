@@ -38,12 +38,14 @@ public:
 
 void settle(LevelNode& node) {
     node.complete();
-    while (node.engine().advance()) {}
+    node.engine().prepare();
     Finish finish(node.engine());
     node.accept(finish);
+    while (node.engine().advance()) {}
     Settle visitor;
     node.accept(visitor);
     node.setUpdateCallback(nullptr);
+    node.setCullCallback(nullptr); // the flashlight
 }
 
 } // namespace osgpie

@@ -321,6 +321,12 @@ constexpr std::array table{
     Row{"point_scale", "Surfaces and lights", &Settings::pointScale, 0, 1e6, "", "Factor on light entities.", ""},
     Row{"area_scale", "Surfaces and lights", &Settings::areaScale, 0, 1e6, "", "Factor on emissive surfaces.", ""},
     Row{"sky_scale", "Surfaces and lights", &Settings::skyScale, 0, 1e6, "", "Factor on sun and sky light.", ""},
+    Row{"flashlight", "Surfaces and lights", &Settings::flashlight, 0, 0, "",
+        "A spot light that follows the view. Its photons are traced anew whenever the view moves: a frame of "
+        "photons_from_light more, and accumulation_frames until what it throws back has followed.",
+        "pi-engine fig 6.9"},
+    Row{"flashlight_intensity", "Surfaces and lights", &Settings::flashlightIntensity, 0, 1e6, "of a light entity",
+        "How bright it is.", ""},
 
     Row{"game", "Files and run", Path{&Settings::game, true}, 0, 0, "",
         "Game directory (maps, textures, scripts, pk3 files). Empty: the one around the level.", ""},

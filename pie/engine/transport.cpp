@@ -80,6 +80,7 @@ void Transport::finish(std::span<const std::uint32_t> which) {
     State& s = *state_;
     if (!s.gathering) return;
     const std::lock_guard lock(s.mutex);
+    s.ask(which);
     const auto start = Clock::now();
     s.statistics.gatherRays += s.gathering->refine(which, std::numeric_limits<std::uint64_t>::max());
     s.statistics.refineMs += millisecondsSince(start);
@@ -94,11 +95,7 @@ bool Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
         std::fill(out.begin(), out.end(), Rgb(0.0F));
         return true;
     }
-    if (s.gathering) {
-        if (!s.askedInRound) ++s.round;
-        s.askedInRound = true;
-        for (const std::uint32_t r : which) s.asked[r] = s.round;
-    }
+    if (s.gathering) s.ask(which);
     const bool defer = s.mayDefer(which, revision);
     if (defer) {
         s.deferred = true;

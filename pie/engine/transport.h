@@ -71,7 +71,7 @@ public:
     /// advance(). What was asked for since the last advance() is what advance() refines (estimator = gather). Returns
     /// whether the answers are of lightRevision(): with budget_ms those of some frame before may come again.
     bool irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
-    /// Refines these to the end now, however long it takes.
+    /// Refines these to the end now, however long it takes. Counts as asking for them.
     void finish(std::span<const std::uint32_t> which);
     /// The same with standard error, bias, photons and radius: slow, for tools. Not while advance() runs.
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);

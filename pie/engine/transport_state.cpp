@@ -254,6 +254,12 @@ void Transport::State::take(std::vector<photons::Photon>&& photons, unsigned par
     }
 }
 
+void Transport::State::ask(std::span<const std::uint32_t> which) {
+    if (!askedInRound) ++round;
+    askedInRound = true;
+    for (const std::uint32_t r : which) asked[r] = round;
+}
+
 /// Spends the rays of a frame on what was asked for since the last one. Returns whether any light changed.
 bool Transport::State::refine(std::uint64_t rays) {
     if (!gathering) return false;
@@ -286,7 +292,7 @@ bool Transport::State::refine(std::uint64_t rays) {
 void Transport::State::judge(bool refined) {
     if (!convergence.wanted()) return;
     if (refined) convergence.look();
-    if (refined || statistics.unfinished > 0 || !convergence.due(partsTraced)) return;
+    if (refined || statistics.unfinished > 0 || receiversAsked == 0 || !convergence.due(partsTraced)) return;
     constexpr std::size_t most = 256;
     std::vector<std::uint32_t> sample;
     const std::uint64_t step = std::max<std::uint64_t>(1, receiversAsked / most);

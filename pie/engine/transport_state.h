@@ -78,6 +78,7 @@ struct Transport::State {
     void count(const photons::TraceCounts& counts);
     photons::TraceCounts traceStill(unsigned parts, std::vector<photons::Photon>& photons) const;
     void take(std::vector<photons::Photon>&& photons, unsigned parts);
+    void ask(std::span<const std::uint32_t> which);
     bool refine(std::uint64_t rays);
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);
     void judge(bool refined);
