@@ -46,6 +46,7 @@ void describe(CLI::App& app, Arguments& a, Raw& raw) {
         ->capture_default_str();
     app.add_option("--try", a.tried, "\"KEY=VALUE KEY=VALUE\", settings to measure besides; may be repeated")
         ->take_all();
+    app.add_flag("--no-sweeps", a.noSweeps, "only the default, what --try names, and --random settings");
     app.add_option("--camera", raw.camera, "\"x y z yaw pitch\", units and degrees (default: first player start)");
     app.add_flag("--everything", a.everything, "draw the whole level, not what a camera sees");
     app.add_option("--time", raw.time, "wall, or processor: of all threads together, for machines that do other things")

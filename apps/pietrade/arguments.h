@@ -25,7 +25,7 @@ struct Arguments {
     std::filesystem::path out = "report";
     pie::engine::Settings settings; ///< of the default: what the user set
     std::optional<Camera> camera;   ///< none: everything (with `everything`), else the first player start
-    bool everything = false, quick = false, quiet = false, processorTime = false;
+    bool everything = false, noSweeps = false, quick = false, quiet = false, processorTime = false;
     std::size_t points = 300, random = 24;
     double target = 0.02;
     std::uint64_t mostPaths = 65536;

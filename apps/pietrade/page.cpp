@@ -20,7 +20,8 @@ p.lead, .soft, caption { color: var(--soft); } p { max-width: 46rem; }
 code { font: .85em/1.4 ui-monospace, monospace; background: var(--card); padding: .05em .3em; border-radius: 3px; overflow-wrap: anywhere; }
 .card code { background: none; padding: 0; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .86rem; font-variant-numeric: tabular-nums; width: 100%; }
-th, td { text-align: right; white-space: nowrap; padding: .3rem .5rem; border-bottom: 1px solid var(--rule); vertical-align: top; } th { color: var(--soft); font-weight: 600; }
+th, td { text-align: right; white-space: nowrap; padding: .3rem .5rem; border-bottom: 1px solid var(--rule); vertical-align: top; } th { color: var(--soft); font-weight: 600; white-space: normal; }
+td.text code { display: inline-block; min-width: 17rem; overflow-wrap: normal; }
 .text { text-align: left; white-space: normal; }
 .row { display: flex; flex-wrap: wrap; gap: .6rem; } svg { max-width: 100%; height: auto; }
 svg text { font: 11px system-ui, sans-serif; fill: var(--soft); } svg .label { font-size: 12px; fill: var(--text); }

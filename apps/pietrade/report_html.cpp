@@ -141,6 +141,7 @@ const Measurement* Page::find(const std::string& settings) const {
 }
 
 void Page::sweeps() {
+    if (f_.sweeps.empty()) return;
     add("<h2>One parameter at a time</h2>\n<p>The others as in the default. “Once” is what happens before the picture "
         "stands: scene, "
         "mesh and texels, and the refinement of all that is in view.</p>\n");

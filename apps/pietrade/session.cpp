@@ -99,7 +99,7 @@ Session::Session(const Arguments& arguments) : a_(arguments), progress_(kindFor(
     ground_.random = a_.random;
     ground_.mostFrames = a_.mostFrames;
     ground_.seed = a_.settings.seed;
-    found_.sweeps = sweeps(ground_);
+    if (!a_.noSweeps) found_.sweeps = sweeps(ground_);
     makeScenery();
 }
 

@@ -130,7 +130,7 @@ private:
         double y = top;
         for (const Series& series : p_.series) {
             if (series.name.empty()) continue;
-            add("<circle class=\"mark s{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/>", series.look, left + 6, y);
+            add("<circle class=\"mark s{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/>\n", series.look, left + 6, y);
             add("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", left + 16, y + 4, escaped(series.name));
             y += legendLine;
         }

@@ -258,7 +258,7 @@ TEST_F(TradeKept, OneLineForWhatIsDamagedOrForeign) {
     EXPECT_THAT(problem(""), HasSubstr("is no file of pietrade"));
     EXPECT_THAT(problem("a,b\n1,2\n"), HasSubstr("is no file of pietrade"));
     EXPECT_THAT(problem(replaced("content 0123", "content 9999")),
-                HasSubstr("made with another level (\"room, content 9999\", now \"room, content 0123\")"));
+                HasSubstr(R"(made with another level ("room, content 9999", now "room, content 0123"))"));
     EXPECT_THAT(problem(replaced("# program: 1", "# program: 2")), HasSubstr("made with another program"));
     EXPECT_THAT(problem(replaced("# program: 1\n", "")), HasSubstr("does not say its program"));
     EXPECT_THAT(problem(replaced(",error,", ",mistake,")), HasSubstr("columns of this version"));
@@ -341,7 +341,7 @@ TEST(TradeSvg, MarksStandWhereTheirNumbersAre) {
     EXPECT_THAT(text, ::testing::Not(HasSubstr("nan")));
     // Places of the marks, in order: evenly apart in the logarithm, and less is lower.
     std::vector<std::pair<double, double>> places;
-    const std::string circle = "<circle class=\"mark s1\" cx=\"";
+    const std::string circle = R"(<circle class="mark s1" cx=")";
     for (std::size_t at = text.find(circle); at != std::string::npos; at = text.find(circle, at + 1)) {
         const std::size_t y = text.find("cy=\"", at);
         places.emplace_back(std::stod(text.substr(at + circle.size())), std::stod(text.substr(y + 4)));

@@ -204,6 +204,20 @@ TEST_F(Pietrade, InterruptedItKeepsWhatItHasAndGoesOn) {
     for (const std::string& row : after) EXPECT_TRUE(settings.insert(row.substr(0, row.find(','))).second) << row;
 }
 
+TEST_F(Pietrade, MeasuresOnlyWhatItIsTold) {
+    const std::vector<std::string> some{"--no-sweeps", "--random", "0", "--try", "max_edge=32", "--everything"};
+    std::vector<std::string> command{PIETRADE, level_,     "--out", out_.string(), "--quick", "--frames",
+                                     "1",      "--points", "5"};
+    command.insert(command.end(), some.begin(), some.end());
+    const CommandResult result = run(command);
+    EXPECT_EQ(result.status, 0) << result.err;
+    const std::vector<std::string> rows = measured(out_ / "measurements.csv");
+    ASSERT_EQ(rows.size(), 2U);
+    EXPECT_THAT(rows[0], StartsWith(",default,"));
+    EXPECT_THAT(rows[1], StartsWith("max_edge=32,tried,"));
+    EXPECT_TRUE(report().at("complete"));
+}
+
 TEST_F(Pietrade, ATimeLimitEndsItEarly) {
     const CommandResult result = trade({"--time-limit", "0.000001"});
     EXPECT_EQ(result.status, 3) << result.err;
