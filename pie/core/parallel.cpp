@@ -67,7 +67,7 @@ unsigned threads() {
     return chosen != 0 ? chosen : static_cast<unsigned>(std::max(1, tbb::this_task_arena::max_concurrency()));
 }
 
-void parallelChunks(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
+void detail::parallelChunks(std::size_t count, std::size_t grain, ChunkBody body) {
     if (count == 0) return;
     const std::size_t size = std::max<std::size_t>(1, grain);
     const std::size_t chunks = (count - 1) / size + 1;

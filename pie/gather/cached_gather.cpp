@@ -34,7 +34,8 @@ DirectOptions texelDirectOptions(std::uint64_t seed) {
 GatherOptions CachedGather::checked(GatherOptions options) {
     options.rays = std::bit_ceil(std::clamp(options.rays, 2U, 65'536U));
     options.texelRays = std::bit_ceil(std::clamp(options.texelRays, 2U, 65'536U));
-    options.texels.maxTexels = std::min(options.texels.maxTexels, mostNumbers / (options.texels.points + 1));
+    options.texels.maxTexels =
+        std::min(options.texels.maxTexels, GatherRow::mostNumbers / (options.texels.points + 1) - 1);
     return options;
 }
 
@@ -53,7 +54,7 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
       gatherRays_(scene, intersector, texels_, bright_, receivers, rayOffsetFor(scene), options.seed),
       texelGatherRays_(scene, intersector, texels_, bright_, texels_.points(), rayOffsetFor(scene), options.seed),
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
-      own_(receivers.points.size(), SurfaceTexels::none), placeOf_(texels_.texels().size(), SurfaceTexels::none) {
+      own_(receivers.points.size(), SurfaceTexels::none) {
     if (!direct || options.texelsByPhotons)
         firstHits_ = std::make_unique<TexelLight>(texels_, lights.largestPower(), nullptr, false);
     update();
@@ -103,11 +104,7 @@ void CachedGather::mute(std::uint32_t light, const lights::LightSet& alone) {
     const DirectLight ofTexels(scene_, alone, intersector_, texels_.points(), texelDirect_->options());
     texelDirect_->mute(light, ofTexels);
     light_.renewDirect();
-    const unsigned points = texels_.pointsPerTexel();
-    std::vector<std::uint32_t> which;
-    for (const std::uint32_t t : gatheringTexels_)
-        for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
-    texelDirect_->estimate(which, pointDirect_);
+    texelDirect_->estimate(gatheringPoints_, pointDirect_);
     changed_ = true;
 }
 
@@ -144,21 +141,21 @@ void CachedGather::update() {
 }
 
 void CachedGather::bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct, Radiosities& both) const {
-    const unsigned points = texels_.pointsPerTexel();
-    both.resize(texelCount() + pointRows_.size());
+    both.resize(firstPoint() + pointRows_.size());
     std::copy(byPhotons.begin(), byPhotons.end(), both.begin());
-    parallelChunks(gatheringTexels_.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t t = gatheringTexels_[i];
-            Rgb first(0.0F);
-            if (direct && !direct_) first += firstHits_->broadIrradiance(t, 1);
-            if (direct) first += light_.broadFirst(t, 1);
-            for (std::size_t p = i * points; p < (i + 1) * points; ++p) {
-                Rgb light = gathered(pointRows_[p], byPhotons, raysOfPoint()) + first;
-                if (direct && direct_) light += pointDirect_[p];
-                light *= texels_.texels()[t].reflectance;
-                both[texelCount() + p] = {light.x, light.y, light.z, 0.0F};
+    both[dark()] = {};
+    const std::span<const TexelLight::Radiosity> texels = std::span(both).first(firstPoint());
+    const float each = 1.0F / static_cast<float>(raysOfPoint());
+    parallelChunks(pointRows_.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+            const std::uint32_t t = texelOfPoint(p);
+            Rgb light = pointRows_[p].gathered(texels, each);
+            if (direct) {
+                light += direct_ ? pointDirect_[p] : firstHits_->broadIrradiance(t, 1);
+                light += light_.broadFirst(t, 1);
             }
+            light *= texels_.texels()[t].reflectance;
+            both[firstPoint() + p] = {light.x, light.y, light.z, 0.0F};
         }
     });
 }
@@ -252,38 +249,15 @@ bool CachedGather::ownTexels(std::span<const std::uint32_t> wanted, const std::f
     return true;
 }
 
-Rgb CachedGather::gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n) {
-    TexelLight::Radiosity sum;
-    row.forEach(n, [&](std::uint32_t number, float weight) {
-        const TexelLight::Radiosity& at = radiosity[number];
-        sum.r += weight * at.r;
-        sum.g += weight * at.g;
-        sum.b += weight * at.b;
-    });
-    return {sum.r, sum.g, sum.b};
-}
-
 void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
-    std::fill(irradiance.begin(), irradiance.end(), Rgb(0.0F));
-    std::vector<std::uint32_t> known;
-    std::vector<std::size_t> places;
-    for (std::size_t i = 0; i < which.size(); ++i) {
-        if (stage_[which[i]] < Direct) continue;
-        known.push_back(which[i]);
-        places.push_back(i);
-    }
-    if (direct_ && !known.empty()) {
-        std::vector<Rgb> direct(known.size());
-        direct_->estimate(known, direct);
-        for (std::size_t i = 0; i < known.size(); ++i) irradiance[places[i]] = direct[i];
-    }
-    parallelChunks(which.size(), 512, [&](std::size_t begin, std::size_t end) {
+    parallelChunks(which.size(), receiversPerChunk, [&](std::size_t begin, std::size_t end) {
+        putDirect(which.subspan(begin, end - begin), irradiance.subspan(begin, end - begin));
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t r = which[i];
             const unsigned stage = stage_[r];
             if (stage > Direct) {
                 if (!direct_) irradiance[i] += firstHits_->broadIrradiance(own_[r], enoughFirstHits);
-                irradiance[i] += gathered(rows_[r], radiosity_, raysAt(stage));
+                irradiance[i] += rows_[r].gathered(radiosity_, 1.0F / static_cast<float>(raysAt(stage)));
                 continue;
             }
             const std::uint32_t texel =
@@ -298,15 +272,15 @@ void CachedGather::estimate(std::span<const std::uint32_t> which, std::span<Rgb>
             const bool twice = stage == Direct && direct_ != nullptr; // direct light is known, and among the photons
             irradiance[i] += twice ? glm::max(all - firstHits_->broadIrradiance(texel, enoughFirstHits), 0.0F) : all;
         }
+        addChangingDirect(which.subspan(begin, end - begin), irradiance.subspan(begin, end - begin));
     });
-    addChangingDirect(which, irradiance);
 }
 
 void CachedGather::addChangingDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
     if (light_.changing() == nullptr) return;
     if (changingDirect_ != nullptr) {
-        std::vector<Rgb> direct(which.size());
-        changingDirect_->estimate(which, direct);
+        std::array<Rgb, receiversPerChunk> direct{};
+        changingDirect_->estimate(which, std::span(direct).first(which.size()));
         for (std::size_t i = 0; i < which.size(); ++i) irradiance[i] += direct[i];
         return;
     }
@@ -318,13 +292,26 @@ void CachedGather::addChangingDirect(std::span<const std::uint32_t> which, std::
     }
 }
 
+/// Of those that have shadow rays; 0 for the others.
+void CachedGather::putDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
+    std::array<std::uint32_t, receiversPerChunk> known{};
+    std::array<Rgb, receiversPerChunk> light{};
+    std::size_t count = 0;
+    for (const std::uint32_t r : which)
+        if (direct_ && stage_[r] >= Direct) known[count++] = r;
+    if (count > 0) direct_->estimate(std::span(known).first(count), std::span(light).first(count));
+    count = 0;
+    for (std::size_t i = 0; i < which.size(); ++i)
+        irradiance[i] = direct_ && stage_[which[i]] >= Direct ? light[count++] : Rgb(0.0F);
+}
+
 std::size_t CachedGather::bytes() const {
     std::size_t sum = texels_.bytes() + bright_.bytes() + light_.bytes() + stage_.size() +
-                      (own_.size() + placeOf_.size()) * sizeof(std::uint32_t) +
-                      (rows_.size() + pointRows_.size()) * sizeof(Row) + pointDirect_.size() * sizeof(Rgb) +
+                      (own_.size() + placeOf_.size() + gatheringPoints_.size()) * sizeof(std::uint32_t) +
+                      (rows_.size() + pointRows_.size()) * sizeof(GatherRow) + pointDirect_.size() * sizeof(Rgb) +
                       radiosity_.size() * sizeof(TexelLight::Radiosity);
     for (const auto* rows : {&rows_, &pointRows_})
-        for (const Row& row : *rows) sum += row.bytes();
+        for (const GatherRow& row : *rows) sum += row.bytes();
     for (const auto& pairs : pointPairs_) sum += pairs.size() * sizeof(Pair);
     if (firstHits_) sum += firstHits_->bytes();
     if (texelDirect_) sum += texelDirect_->bytes();

@@ -4,9 +4,9 @@
 //   E = direct light by shadow rays + Σ over the texels seen: weights of the rays that hit the texel · its radiosity
 //
 // The rays of a receiver depend on geometry alone, but for those that are aimed at what is bright once and for all.
-// They are kept as a sparse row (texel, number of rays), so that a new frame of photons costs a sparse matrix times a
-// vector of colours: no tree, no search, no kernel, and no boundary bias at edges, where a level's vertices are.
-// Photons only have to be right on the mean over what a receiver sees.
+// They are kept as a sparse row (texel, number of rays; gather_row.h), so that a new frame of photons costs a sparse
+// matrix times a vector of colours: no tree, no search, no kernel, and no boundary bias at edges, where a level's
+// vertices are. Photons only have to be right on the mean over what a receiver sees.
 //
 // A texel that fills much of what a receiver sees (the wall beside an edge) would pass its own noise on, and light
 // changes within it. Such texels gather themselves, from points spread over them (the secondary gather of pi-engine
@@ -27,12 +27,12 @@
 
 #include "pie/gather/direct.h"
 #include "pie/gather/gather.h"
+#include "pie/gather/gather_row.h"
 #include "pie/gather/texel_light.h"
 #include "pie/gather/texel_rays.h"
 #include "pie/gather/texels.h"
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -111,28 +111,7 @@ private:
     enum Stage : std::uint8_t { Unknown, OwnTexel, Direct, Coarse, Medium, Fine };
 
     using Radiosities = std::vector<TexelLight::Radiosity>;
-    /// Entries of rows: number in the radiosities and number of rays less one, in 22 and 10 bits. Radiosities hold
-    /// every texel by its photons, then the points of those that gather themselves.
-    static constexpr unsigned countBits = 10;
-    static constexpr std::uint32_t mostRays = 1U << countBits; ///< one entry holds
-    static constexpr std::size_t mostNumbers = std::size_t{1} << (32U - countBits);
     static constexpr std::uint32_t enoughFirstHits = 16; ///< where they are all the direct light there is
-    /// First texels and how many rays met them, then those whose rays have other weights than 1/n: two entries each,
-    /// number and weight.
-    struct Row {
-        std::unique_ptr<std::uint32_t[]> entries;
-        std::uint32_t size = 0, weighted = 0;
-
-        /// Calls use(number, weight) for every texel.
-        template <class Use> void forEach(unsigned n, const Use& use) const {
-            const float each = 1.0F / static_cast<float>(n);
-            for (std::uint32_t i = 0; i < size; ++i)
-                use(entries[i] >> countBits, each * static_cast<float>((entries[i] & (mostRays - 1)) + 1));
-            for (std::uint32_t i = size; i < size + 2 * weighted; i += 2)
-                use(entries[i], std::bit_cast<float>(entries[i + 1]));
-        }
-        [[nodiscard]] std::size_t bytes() const { return (size + 2 * std::size_t{weighted}) * sizeof(std::uint32_t); }
-    };
     /// What the two rays of a stratum met, where they differ.
     struct Pair {
         std::array<std::uint32_t, 2> numbers{};
@@ -143,19 +122,27 @@ private:
     [[nodiscard]] unsigned raysAt(unsigned stage) const;
     [[nodiscard]] unsigned raysOfPoint() const;
     [[nodiscard]] std::uint32_t texelCount() const { return static_cast<std::uint32_t>(texels_.texels().size()); }
+    /// Radiosities hold every texel by its photons, then a dark one, then the points that gather themselves, in the
+    /// order in which rows first met them.
+    [[nodiscard]] std::uint32_t dark() const { return texelCount(); }
+    [[nodiscard]] std::uint32_t firstPoint() const { return texelCount() + 1; }
+    [[nodiscard]] std::uint32_t texelOfPoint(std::size_t place) const {
+        return gatheringPoints_[place] / texels_.pointsPerTexel();
+    }
     [[nodiscard]] std::uint32_t nearestPoint(std::uint32_t texel, const Vec3& at) const;
     void survey();
     bool ownTexels(std::span<const std::uint32_t> wanted, const std::function<bool()>& go);
     void makeRows(std::span<const std::uint32_t> which, unsigned n);
-    void makeTexelRows(std::vector<std::uint32_t> texels);
-    /// Points in a new row are numbered as if all texels gathered; numberPoints() then gives them their places.
-    [[nodiscard]] Row makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
-    void numberPoints(Row& row) const;
+    void makePointRows(std::vector<std::uint32_t> points);
+    /// Points in a new row are numbered as if all of them gathered; numberPoints() then gives them their places.
+    [[nodiscard]] GatherRow makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
+    void numberPoints(GatherRow& row) const;
     void split(std::span<const photons::Photon> photons);
+    static constexpr std::size_t receiversPerChunk = 512; ///< that one thread estimates at once, here at most
+    void putDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
     void addChangingDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
     /// From radiosities by photons those of everything. `direct`: whether direct light is in them.
     void bothWays(std::span<const TexelLight::Radiosity> byPhotons, bool direct, Radiosities& both) const;
-    [[nodiscard]] static Rgb gathered(const Row& row, std::span<const TexelLight::Radiosity> radiosity, unsigned n);
     [[nodiscard]] static GatherOptions checked(GatherOptions options);
     struct Explanation;
     void explainOne(std::uint32_t receiver, const Explanation& with, Estimate& out) const;
@@ -174,13 +161,12 @@ private:
     TexelLight light_;
     std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where texels have direct light from those
     TexelRays gatherRays_, texelGatherRays_;
-    std::vector<Row> rows_;
+    std::vector<GatherRow> rows_;
     std::vector<std::uint8_t> stage_;
-    std::vector<std::uint32_t> own_; ///< texel a receiver lies on
-    std::vector<std::uint32_t> gatheringTexels_;
-    std::vector<std::uint32_t> placeOf_; ///< by texel: in gatheringTexels_
-    /// Of every point of the gathering texels.
-    std::vector<Row> pointRows_;
+    std::vector<std::uint32_t> own_;             ///< texel a receiver lies on
+    std::vector<std::uint32_t> gatheringPoints_; ///< numbers in texels_.points()
+    std::vector<std::uint32_t> placeOf_;         ///< by point: in gatheringPoints_; empty: none gathers
+    std::vector<GatherRow> pointRows_;           ///< by place, like what follows
     std::vector<Rgb> pointDirect_;
     std::vector<std::vector<Pair>> pointPairs_;  ///< for standard errors
     Radiosities radiosity_;                      ///< bothWays

@@ -66,8 +66,7 @@ void CachedGather::explain(std::span<const std::uint32_t> which, std::span<Estim
         for (std::size_t p = 0; p < pointPairs_.size(); ++p) {
             double sum = 0;
             for (const Pair& pair : pointPairs_[p]) sum += with.pair(radiosity_, pair);
-            const std::uint32_t t = gatheringTexels_[p / texels_.pointsPerTexel()];
-            const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[t].reflectance));
+            const auto reflectance = static_cast<double>(meanChannel(texels_.texels()[texelOfPoint(p)].reflectance));
             with.variance.push_back(reflectance * reflectance * std::max(0.0, sum));
         }
     }
@@ -84,17 +83,18 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     out.radius = texels_.edge();
     if (stage_[receiver] <= Direct) return;
     const unsigned n = raysAt(stage_[receiver]);
-    const Row& row = rows_[receiver];
+    const float each = 1.0F / static_cast<float>(n);
+    const GatherRow& row = rows_[receiver];
     // Which of the two ways a texel is taken depends on the row.
     std::vector<std::uint32_t> large;
     double variance = 0;
     const unsigned points = texels_.pointsPerTexel();
-    row.forEach(n, [&](std::uint32_t number, float weight) {
+    row.forEach(each, [&](std::uint32_t number, float weight) {
         const double squared = std::pow(static_cast<double>(weight), 2);
         std::uint32_t texel = number;
-        if (number >= texelCount()) {
-            const std::uint32_t point = number - texelCount();
-            texel = gatheringTexels_[point / points];
+        if (number >= firstPoint()) {
+            const std::uint32_t point = number - firstPoint();
+            texel = texelOfPoint(point);
             if (!with.variance.empty()) variance += squared * with.variance[point];
             if (std::find(large.begin(), large.end(), texel) == large.end()) {
                 large.push_back(texel);
@@ -109,7 +109,8 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
     const auto numberOf = [&](const TexelHit& hit) {
         if (hit.texel == SurfaceTexels::none || std::find(large.begin(), large.end(), hit.texel) == large.end())
             return hit.texel;
-        return texelCount() + placeOf_[hit.texel] * points + nearestPoint(hit.texel, hit.point);
+        const std::uint32_t place = placeOf_[hit.texel * points + nearestPoint(hit.texel, hit.point)];
+        return place == SurfaceTexels::none ? hit.texel : firstPoint() + place; // none: its rays weigh nothing
     };
     std::vector<TexelHit> hits;
     gatherRays_.shoot(std::span(&receiver, 1), n, hits);
@@ -126,11 +127,16 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
                 between += weight * (mean(light_.radiosity()[hit.texel]) -
                                      mean(with.coarse[texels_.texels()[hit.texel].parent]));
             const std::uint32_t number = numberOf(hit);
-            if (number < texelCount()) continue;
-            const std::uint32_t first = texelCount() + placeOf_[hit.texel] * points;
+            if (number < firstPoint()) continue;
             double whole = 0;
-            for (unsigned p = 0; p < points; ++p) whole += mean(radiosity_[first + p]) / points;
-            within += weight * (mean(radiosity_[number]) - whole);
+            unsigned gathering = 0;
+            for (unsigned p = 0; p < points; ++p) {
+                const std::uint32_t place = placeOf_[hit.texel * points + p];
+                if (place == SurfaceTexels::none) continue;
+                whole += mean(radiosity_[firstPoint() + place]);
+                ++gathering;
+            }
+            within += weight * (mean(radiosity_[number]) - whole / gathering);
         }
     }
     variance += std::max(0.0, pairs);
@@ -138,7 +144,7 @@ void CachedGather::explainOne(std::uint32_t receiver, const Explanation& with, E
         double sum = 0;
         double squares = 0;
         for (const Radiosities& batch : with.batches) {
-            const auto light = static_cast<double>(meanChannel(gathered(row, batch, n)));
+            const auto light = static_cast<double>(meanChannel(row.gathered(batch, each)));
             sum += light;
             squares += light * light;
         }

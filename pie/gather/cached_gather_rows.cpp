@@ -5,8 +5,8 @@
 #include "pie/core/parallel.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace pie::gather {
@@ -20,54 +20,34 @@ bool differ(const TexelHit& a, const TexelHit& b) { return a.texel != b.texel ||
 } // namespace
 
 /// Texel by texel. Those that weigh at least `large` are taken by their own gather, point by point.
-CachedGather::Row CachedGather::makeRow(std::span<const TexelHit> hits, unsigned n, float large) const {
-    const float each = 1.0F / static_cast<float>(n);
+GatherRow CachedGather::makeRow(std::span<const TexelHit> hits, unsigned n, float large) const {
+    const auto rays = static_cast<float>(n);
     std::vector<std::uint32_t> order;
     for (std::uint32_t i = 0; i < hits.size(); ++i)
         if (hits[i].texel != SurfaceTexels::none) order.push_back(i);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return hits[a].texel < hits[b].texel; });
-    std::vector<std::uint32_t> entries;
-    std::vector<std::uint32_t> weighted;
-    const auto add = [&](std::uint32_t number, std::uint32_t rays, float weight) {
-        for (; rays > 0; rays -= std::min(rays, mostRays))
-            entries.push_back(number << countBits | (std::min(rays, mostRays) - 1));
-        if (weight > 0.0F) weighted.insert(weighted.end(), {number, std::bit_cast<std::uint32_t>(weight)});
-    };
-    struct Met {
-        std::uint32_t rays = 0;
-        float weight = 0;
-        void by(const TexelHit& hit, float plain) {
-            if (hit.weight == plain)
-                ++rays;
-            else
-                weight += hit.weight;
-        }
-    };
+    std::vector<GatherRow::Part> parts;
+    // Rays of the hemisphere all weigh 1/n: counted, they are exact.
+    const auto met = [&](const TexelHit& hit) { return hit.weight == 1.0F / rays ? 1.0F : rays * hit.weight; };
     const unsigned points = texels_.pointsPerTexel();
-    std::vector<Met> ofPoint;
+    std::vector<float> ofPoint;
     for (auto first = order.begin(); first != order.end();) {
         const std::uint32_t texel = hits[*first].texel;
         const auto last = std::find_if(first, order.end(), [&](std::uint32_t i) { return hits[i].texel != texel; });
-        Met all;
-        for (auto i = first; i != last; ++i) all.by(hits[*i], each);
-        if (all.weight + each * static_cast<float>(all.rays) >= large) {
-            ofPoint.assign(points, {});
-            for (auto i = first; i != last; ++i) ofPoint[nearestPoint(texel, hits[*i].point)].by(hits[*i], each);
+        float all = 0;
+        for (auto i = first; i != last; ++i) all += met(hits[*i]);
+        if (all >= rays * large) {
+            ofPoint.assign(points, 0.0F);
+            for (auto i = first; i != last; ++i) ofPoint[nearestPoint(texel, hits[*i].point)] += met(hits[*i]);
             for (std::uint32_t k = 0; k < points; ++k)
-                add(texelCount() + texel * points + k, ofPoint[k].rays, ofPoint[k].weight);
-        } else {
-            add(texel, all.rays, all.weight);
+                if (ofPoint[k] > 0.0F) parts.push_back({firstPoint() + texel * points + k, ofPoint[k]});
+        } else if (all > 0.0F) {
+            parts.push_back({texel, all});
         }
         first = last;
     }
-    Row row;
-    row.size = static_cast<std::uint32_t>(entries.size());
-    row.weighted = static_cast<std::uint32_t>(weighted.size() / 2);
-    entries.insert(entries.end(), weighted.begin(), weighted.end());
-    row.entries = std::make_unique<std::uint32_t[]>(entries.size());
-    std::copy(entries.begin(), entries.end(), row.entries.get());
-    return row;
+    return {parts, dark()};
 }
 
 void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
@@ -88,30 +68,23 @@ void CachedGather::makeRows(std::span<const std::uint32_t> which, unsigned n) {
     std::vector<std::uint32_t> gathering;
     for (const std::uint32_t r : which) {
         rays_ += gatherRays_.count(r, n);
-        rows_[r].forEach(n, [&](std::uint32_t number, float /*weight*/) {
-            if (number >= texelCount())
-                gathering.push_back((number - texelCount()) / texels_.pointsPerTexel());
+        rows_[r].forEach(1.0F, [&](std::uint32_t number, float /*weight*/) {
+            if (number >= firstPoint())
+                gathering.push_back(number - firstPoint());
             else
                 seen.push_back(number);
         });
     }
     light_.direct(seen);
-    makeTexelRows(std::move(gathering));
+    makePointRows(std::move(gathering));
     for (const std::uint32_t r : which) numberPoints(rows_[r]);
+    GatherRow::pack(which, rows_);
 }
 
-void CachedGather::numberPoints(Row& row) const {
-    const auto placed = [&](std::uint32_t number) {
-        const std::uint32_t point = number - texelCount();
-        const unsigned points = texels_.pointsPerTexel();
-        return texelCount() + placeOf_[point / points] * points + point % points;
-    };
-    for (std::uint32_t i = 0; i < row.size; ++i) {
-        const std::uint32_t number = row.entries[i] >> countBits;
-        if (number >= texelCount()) row.entries[i] = placed(number) << countBits | (row.entries[i] & (mostRays - 1));
-    }
-    for (std::uint32_t i = row.size; i < row.size + 2 * row.weighted; i += 2)
-        if (row.entries[i] >= texelCount()) row.entries[i] = placed(row.entries[i]);
+void CachedGather::numberPoints(GatherRow& row) const {
+    row.renumber([&](std::uint32_t number) {
+        return number < firstPoint() ? number : firstPoint() + placeOf_[number - firstPoint()];
+    });
 }
 
 std::uint32_t CachedGather::nearestPoint(std::uint32_t texel, const Vec3& at) const {
@@ -127,45 +100,45 @@ std::uint32_t CachedGather::nearestPoint(std::uint32_t texel, const Vec3& at) co
     return best;
 }
 
-void CachedGather::makeTexelRows(std::vector<std::uint32_t> texels) {
-    std::erase_if(texels, [&](std::uint32_t t) { return placeOf_[t] != SurfaceTexels::none; });
-    std::sort(texels.begin(), texels.end());
-    texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
-    const unsigned points = texels_.pointsPerTexel();
+void CachedGather::makePointRows(std::vector<std::uint32_t> points) {
+    if (placeOf_.empty() && !points.empty()) placeOf_.assign(texels_.points().points.size(), SurfaceTexels::none);
+    std::erase_if(points, [&](std::uint32_t p) { return placeOf_[p] != SurfaceTexels::none; });
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    if (points.empty()) return;
     const unsigned n = raysOfPoint();
     const std::size_t firstRow = pointRows_.size();
-    for (const std::uint32_t t : texels) {
-        placeOf_[t] = static_cast<std::uint32_t>(gatheringTexels_.size());
-        gatheringTexels_.push_back(t);
+    for (const std::uint32_t p : points) {
+        placeOf_[p] = static_cast<std::uint32_t>(gatheringPoints_.size());
+        gatheringPoints_.push_back(p);
     }
-    pointRows_.resize(gatheringTexels_.size() * points);
+    pointRows_.resize(gatheringPoints_.size());
     if (options_.standardErrors) pointPairs_.resize(pointRows_.size());
-    parallelChunks(
-        texels.size(), std::max<std::size_t>(1, receiversPerTask / points), [&](std::size_t begin, std::size_t end) {
-            std::vector<TexelHit> hits;
-            for (std::size_t i = begin * points; i < end * points; ++i) {
-                const auto point = static_cast<std::uint32_t>(std::size_t{texels[i / points]} * points + i % points);
-                hits.clear();
-                texelGatherRays_.shoot(std::span(&point, 1), n, hits);
-                pointRows_[firstRow + i] = makeRow(hits, n, std::numeric_limits<float>::infinity());
-                if (pointPairs_.empty()) continue;
-                for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
-                    if (differ(hits[k], hits[k + 1]))
-                        pointPairs_[firstRow + i].push_back(
-                            {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
-            }
-        });
-    for (const std::uint32_t t : texels) rays_ += points * texelGatherRays_.count(t * points, n);
-    std::vector<std::uint32_t> seen = texels;
+    parallelChunks(points.size(), receiversPerTask, [&](std::size_t begin, std::size_t end) {
+        std::vector<TexelHit> hits;
+        for (std::size_t i = begin; i < end; ++i) {
+            hits.clear();
+            texelGatherRays_.shoot(std::span(&points[i], 1), n, hits);
+            pointRows_[firstRow + i] = makeRow(hits, n, std::numeric_limits<float>::infinity());
+            if (pointPairs_.empty()) continue;
+            for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
+                if (differ(hits[k], hits[k + 1]))
+                    pointPairs_[firstRow + i].push_back(
+                        {{hits[k].texel, hits[k + 1].texel}, {hits[k].weight, hits[k + 1].weight}});
+        }
+    });
+    std::vector<std::uint32_t> places(points.size());
+    std::iota(places.begin(), places.end(), static_cast<std::uint32_t>(firstRow));
+    GatherRow::pack(places, pointRows_);
+    for (const std::uint32_t p : points) rays_ += texelGatherRays_.count(p, n);
+    std::vector<std::uint32_t> seen;
+    for (const std::uint32_t p : points) seen.push_back(p / texels_.pointsPerTexel());
     for (std::size_t p = firstRow; p < pointRows_.size(); ++p)
-        pointRows_[p].forEach(n, [&](std::uint32_t number, float /*weight*/) { seen.push_back(number); });
+        pointRows_[p].forEach(1.0F, [&](std::uint32_t number, float /*weight*/) { seen.push_back(number); });
     light_.direct(seen);
     if (!texelDirect_) return;
-    std::vector<std::uint32_t> which;
-    for (const std::uint32_t t : texels)
-        for (unsigned k = 0; k < points; ++k) which.push_back(t * points + k);
     pointDirect_.resize(pointRows_.size());
-    texelDirect_->estimate(which, std::span(pointDirect_).subspan(firstRow));
+    texelDirect_->estimate(points, std::span(pointDirect_).subspan(firstRow));
 }
 
 } // namespace pie::gather

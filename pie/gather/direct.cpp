@@ -167,8 +167,7 @@ void DirectLight::refine(std::span<const std::uint32_t> which) {
 }
 
 void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const {
-    std::vector<float> variance(which.size());
-    estimate(which, irradiance, variance);
+    estimate(which, irradiance, {});
 }
 
 void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance,
@@ -184,7 +183,7 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     for (std::size_t i = 0; i < which.size(); ++i) {
         if (state_[which[i]].load(std::memory_order_acquire) >= Ready) {
             irradiance[i] = irradiance_[which[i]];
-            variance[i] = variance_[which[i]];
+            if (!variance.empty()) variance[i] = variance_[which[i]];
         } else {
             missing.push_back(which[i]);
             places.push_back(i);
@@ -199,7 +198,7 @@ void DirectLight::estimate(std::span<const std::uint32_t> which, std::span<Rgb> 
     });
     for (std::size_t i = 0; i < missing.size(); ++i) {
         irradiance[places[i]] = results[i];
-        variance[places[i]] = variances[i];
+        if (!variance.empty()) variance[places[i]] = variances[i];
     }
 }
 

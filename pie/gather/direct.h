@@ -68,7 +68,8 @@ public:
     DirectLight& operator=(const DirectLight&) = delete;
 
     void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override;
-    /// The same, and the variance of each answer's channel mean (of (r + g + b) / 3), (watts per square unit)². Costs
+    /// The same, and, unless the span is empty, the variance of each answer's channel mean (of (r + g + b) / 3), (watts
+    /// per square unit)². Costs
     /// no rays: it is estimated from those that were traced, and so is itself uncertain where they were few. On the
     /// safe side: soft sources count as sampled at random, which they are not (doc/algorithms/irradiance.md has how
     /// far).
