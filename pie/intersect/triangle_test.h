@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace pie::intersect {
 
@@ -26,11 +25,13 @@ namespace pie::intersect {
 class PreparedRay {
 public:
     explicit PreparedRay(const Ray& ray) : origin_(ray.origin), direction_(ray.direction) {
+        // Without branches: which axis is the main one is anybody's guess.
         const Vec3 size = glm::abs(ray.direction);
-        z_ = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-        x_ = (z_ + 1) % 3;
-        y_ = (z_ + 2) % 3;
-        if (ray.direction[z_] < 0.0F) std::swap(x_, y_);
+        const int notX = static_cast<int>(size.x < size.y) | static_cast<int>(size.x < size.z);
+        z_ = notX * (2 - static_cast<int>(size.y >= size.z));
+        const int turned = static_cast<int>(ray.direction[z_] < 0.0F);
+        x_ = afterwards[z_ + turned];
+        y_ = afterwards[z_ + 1 - turned];
         shearX_ = ray.direction[x_] / ray.direction[z_];
         shearY_ = ray.direction[y_] / ray.direction[z_];
     }
@@ -93,6 +94,8 @@ private:
     static float difference(float a, float b, float c, float d) {
         return static_cast<float>(double{a} * double{b} - double{c} * double{d});
     }
+
+    static constexpr std::array<int, 4> afterwards{1, 2, 0, 1}; ///< the axes after an axis
 
     Vec3 origin_;
     glm::dvec3 direction_;

@@ -16,7 +16,7 @@ namespace pie::intersect {
 namespace {
 
 /// Rays that travel together. More are better for the tree and worse for the cache, which holds what is known of them.
-constexpr std::size_t streamSize = 4096;
+constexpr std::size_t streamSize = 8192;
 constexpr float smallestDirection = 1e-18F; ///< its inverse squared is still finite
 /// What rounding of distances to boxes and of the test of triangles may be, relative to the distance.
 constexpr float slack = 1.0F + 0x1p-20F;
@@ -139,6 +139,7 @@ void WideTree::Traversal::visitLeaf(const Leaf& leaf, const Number* ids, std::si
     constexpr std::size_t corner = 3 * leafWidth;
     const float* corners = leaf.corners[0][0].data();
     const __m256 zero = _mm256_setzero_ps();
+    const __m256 more = _mm256_set1_ps(slack);
     for (std::size_t i = 0; i < count; ++i) {
         const Number id = ids[i];
         const Travelling& ray = travelling[id];
@@ -147,13 +148,17 @@ void WideTree::Traversal::visitLeaf(const Leaf& leaf, const Number* ids, std::si
         const __m256 originZ = _mm256_broadcast_ss(&ray.origin[ray.axis[2]]);
         const __m256 shearX = _mm256_broadcast_ss(&ray.shearX);
         const __m256 shearY = _mm256_broadcast_ss(&ray.shearY);
+        const __m256 inverseZ = _mm256_broadcast_ss(&ray.inverse[ray.axis[2]]);
+        const __m256 limit = _mm256_broadcast_ss(&ray.limit);
         const float* alongX = corners + leafWidth * ray.axis[0];
         const float* alongY = corners + leafWidth * ray.axis[1];
         const float* alongZ = corners + leafWidth * ray.axis[2];
         __m256 x[3];
         __m256 y[3];
+        __m256 away[3];
         for (std::size_t k = 0; k < 3; ++k) {
             const __m256 z = _mm256_sub_ps(_mm256_load_ps(alongZ + k * corner), originZ);
+            away[k] = _mm256_mul_ps(z, inverseZ);
             x[k] = _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(alongX + k * corner), originX), _mm256_mul_ps(shearX, z));
             y[k] = _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(alongY + k * corner), originY), _mm256_mul_ps(shearY, z));
         }
@@ -162,8 +167,11 @@ void WideTree::Traversal::visitLeaf(const Leaf& leaf, const Number* ids, std::si
         const __m256 wc = _mm256_sub_ps(_mm256_mul_ps(x[1], y[0]), _mm256_mul_ps(y[1], x[0]));
         const __m256 least = _mm256_min_ps(_mm256_min_ps(wa, wb), wc);
         const __m256 greatest = _mm256_max_ps(_mm256_max_ps(wa, wb), wc);
-        auto met = static_cast<unsigned>(_mm256_movemask_ps(
-            _mm256_or_ps(_mm256_cmp_ps(least, zero, _CMP_GE_OQ), _mm256_cmp_ps(greatest, zero, _CMP_LE_OQ))));
+        // No point of a triangle is nearer than its nearest corner, along the main axis.
+        const __m256 nearest = _mm256_min_ps(_mm256_min_ps(away[0], away[1]), away[2]);
+        auto met = static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(
+            _mm256_or_ps(_mm256_cmp_ps(least, zero, _CMP_GE_OQ), _mm256_cmp_ps(greatest, zero, _CMP_LE_OQ)),
+            _mm256_cmp_ps(nearest, _mm256_mul_ps(limit, more), _CMP_LE_OQ))));
         if (met == 0) continue;
         alignas(32) std::array<float, leafWidth> a;
         alignas(32) std::array<float, leafWidth> b;

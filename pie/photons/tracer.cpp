@@ -3,7 +3,6 @@
 #include "pie/photons/wavefront.h"
 
 #include <algorithm>
-#include <functional>
 #include <span>
 
 namespace pie::photons {
@@ -83,7 +82,7 @@ TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::u
         const auto traceChunk = [&](std::size_t begin, std::size_t end) {
             wavefront.run(first + done + begin, end - begin, chunks.results[begin / grain]);
         };
-        parallelChunks(batch, grain, std::cref(traceChunk)); // by reference: a copy would be allocated
+        parallelChunks(batch, grain, traceChunk);
         // Chunks and the sums over them are joined in index order, whichever thread made them.
         chunks.starts.clear();
         std::size_t size = out.size();
@@ -98,7 +97,7 @@ TraceCounts PhotonTracer::trace(std::uint64_t first, std::uint64_t count, std::u
                 chunks.results[i].writeTo(out.data() + chunks.starts[i],
                                           static_cast<std::uint32_t>(chunks.starts[i] - firstStored));
         };
-        parallelChunks(used, 1, std::cref(write));
+        parallelChunks(used, 1, write);
     }
     if (out.size() - firstStored <= mostKept) kept = std::move(chunks);
     return counts;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <utility>
 
 namespace pie::photons {
@@ -54,6 +55,10 @@ struct Wavefront::Step {
     std::vector<Path> paths, nextPaths;
     std::vector<Ray> rays, nextRays;
     std::vector<Hit> hits;
+    /// Reflections that have no direction yet: ray of `nextRays`, normal there, and the numbers of the direction.
+    std::vector<std::uint32_t> turning;
+    std::vector<Vec3> normals;
+    std::vector<float> x, y, z;
 };
 
 void WavefrontResult::writeTo(Photon* out, std::uint32_t firstId) {
@@ -114,6 +119,7 @@ template <class Numbers> void Wavefront::advance(Step& step, const Numbers& numb
             if (step.hits[soon].found()) __builtin_prefetch(&surroundings_.faces[step.hits[soon].triangle]);
             meet(step, step.paths[i], step.rays[i], step.hits[i], numbers);
         }
+        turn(step);
         step.paths.swap(step.nextPaths);
         step.rays.swap(step.nextRays);
     }
@@ -274,7 +280,28 @@ void Wavefront::reflect(Step& step, const Path& path, const Vec3& normal, const 
         next.flux = reflected / chance;
     }
     bookLoss(counts.absorbedFlux, path.flux, next.flux);
-    send(step, next, Frame(normal), origin, sampling::cosine(numbers, index, dimension));
+    if constexpr (Numbers::polar || std::same_as<Numbers, sampling::Rejection>) {
+        send(step, next, Frame(normal), origin, sampling::cosine(numbers, index, dimension));
+    } else {
+        const Vec2 u = numbers.pair(index, dimension);
+        step.turning.push_back(static_cast<std::uint32_t>(step.nextRays.size()));
+        step.normals.push_back(normal);
+        step.x.push_back(u.x);
+        step.y.push_back(u.y);
+        step.nextRays.push_back({origin, 0.0F, Vec3(0.0F)});
+        step.nextPaths.push_back(next);
+    }
+}
+
+void Wavefront::turn(Step& step) {
+    step.z.resize(step.x.size());
+    sampling::cosineHemispheres(step.x, step.y, step.z);
+    for (std::size_t i = 0; i < step.turning.size(); ++i)
+        step.nextRays[step.turning[i]].direction = Frame(step.normals[i]).toWorld({step.x[i], step.y[i], step.z[i]});
+    step.turning.clear();
+    step.normals.clear();
+    step.x.clear();
+    step.y.clear();
 }
 
 void Wavefront::send(Step& step, const Path& path, const Frame& surface, const Vec3& origin, const Vec3& direction) {

@@ -79,6 +79,8 @@ private:
     template <class Numbers>
     void reflect(Step& step, const Path& path, const Vec3& normal, const Vec3& origin, const Rgb& reflectance,
                  const Numbers& numbers) const;
+    /// Rays that were reflected in a square's numbers get their directions, many at a time.
+    static void turn(Step& step);
     /// `direction`: about +z, turned to the normal here.
     static void send(Step& step, const Path& path, const Frame& surface, const Vec3& origin, const Vec3& direction);
 

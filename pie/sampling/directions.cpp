@@ -63,6 +63,26 @@ Vec3 fromCap(float v, float angle) {
 }
 float capOf(const Vec3& d) { return d.z > 0.0F ? (d.x * d.x + d.y * d.y) / (1.0F + d.z) : 1.0F - d.z; }
 
+inline Vec2 discPoint(const Vec2& u) {
+    const Vec2 s = 2.0F * u - 1.0F;
+    const bool wide = std::abs(s.x) > std::abs(s.y);
+    const float radius = choose(wide, s.x, s.y);
+    const float across = choose(wide, s.y, s.x);
+    // In the centre both are 0: any divisor will do.
+    const SinCos t = sinCosQuarter(0.25F * pi * (across / choose(radius != 0.0F, radius, 1.0F)));
+    const float along = radius * t.cosine;
+    const float aside = radius * t.sine;
+    return {choose(wide, along, aside), choose(wide, aside, along)};
+}
+
+inline Vec3 cosineDirection(const Vec2& u) {
+    // Malley: a uniform disc lifted onto the sphere. The way from the disc's rim is that from the rim of the square,
+    // which u gives without the cancellation of 1 - r².
+    const Vec2 disc = discPoint(u);
+    const float rim = 2.0F * std::min(std::min(u.x, 1.0F - u.x), std::min(u.y, 1.0F - u.y));
+    return {disc.x, disc.y, std::sqrt(rim * (2.0F - rim))};
+}
+
 } // namespace
 
 Vec3 uniformSphere(const Vec2& u) {
@@ -78,12 +98,14 @@ Vec2 invertUniformSphere(const Vec3& direction) {
     return {clampToUnit(direction.z >= 0.0F ? upper : 1.0F - upper), turn(direction.x, direction.y)};
 }
 
-Vec3 cosineHemisphere(const Vec2& u) {
-    // Malley: a uniform disc lifted onto the sphere. The way from the disc's rim is that from the rim of the square,
-    // which u gives without the cancellation of 1 - r².
-    const Vec2 disc = concentricDisc(u);
-    const float rim = 2.0F * std::min(std::min(u.x, 1.0F - u.x), std::min(u.y, 1.0F - u.y));
-    return {disc.x, disc.y, std::sqrt(rim * (2.0F - rim))};
+Vec3 cosineHemisphere(const Vec2& u) { return cosineDirection(u); }
+void cosineHemispheres(std::span<float> x, std::span<float> y, std::span<float> z) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3 direction = cosineDirection({x[i], y[i]});
+        x[i] = direction.x;
+        y[i] = direction.y;
+        z[i] = direction.z;
+    }
 }
 float cosineHemispherePdf(const Vec3& direction) { return std::max(0.0F, direction.z) * (1.0F / pi); }
 Vec2 invertCosineHemisphere(const Vec3& direction) {
@@ -115,17 +137,7 @@ Vec2 invertUniformCone(const Vec3& direction, float cosMax) {
     return {height > 0.0F ? clampToUnit(capOf(direction) / height) : 0.0F, turn(direction.x, direction.y)};
 }
 
-Vec2 concentricDisc(const Vec2& u) {
-    const Vec2 s = 2.0F * u - 1.0F;
-    const bool wide = std::abs(s.x) > std::abs(s.y);
-    const float radius = choose(wide, s.x, s.y);
-    const float across = choose(wide, s.y, s.x);
-    // In the centre both are 0: any divisor will do.
-    const SinCos t = sinCosQuarter(0.25F * pi * (across / choose(radius != 0.0F, radius, 1.0F)));
-    const float along = radius * t.cosine;
-    const float aside = radius * t.sine;
-    return {choose(wide, along, aside), choose(wide, aside, along)};
-}
+Vec2 concentricDisc(const Vec2& u) { return discPoint(u); }
 float concentricDiscPdf() { return 1.0F / pi; }
 Vec2 invertConcentricDisc(const Vec2& point) {
     const float radius = glm::length(point);

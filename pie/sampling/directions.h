@@ -7,6 +7,8 @@
 
 #include "pie/core/vec.h"
 
+#include <span>
+
 namespace pie::sampling {
 
 /// Uniform on the sphere; pdf 1/(4 pi).
@@ -16,6 +18,9 @@ namespace pie::sampling {
 
 /// Cosine-distributed about +z (pi-engine eq 3.10); pdf z/pi, 0 below the horizon.
 [[nodiscard]] Vec3 cosineHemisphere(const Vec2& u);
+/// The same for many, from u to directions in place: `x` and `y` hold u and become the direction's, `z` is added. To
+/// the bit what single calls give, and several at a time.
+void cosineHemispheres(std::span<float> x, std::span<float> y, std::span<float> z);
 [[nodiscard]] float cosineHemispherePdf(const Vec3& direction);
 [[nodiscard]] Vec2 invertCosineHemisphere(const Vec3& direction);
 
