@@ -57,7 +57,7 @@ Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settin
     : state_(std::make_unique<State>()) {
     State& s = *state_;
     s.level = std::move(level);
-    s.settings = settings;
+    s.settings = chosen(settings);
     s.mesh = scene::makeMesh(*s.level);
     s.refined = !showsOurLight(settings);
     if (refinement == Refinement::AtOnce) refine();

@@ -1,7 +1,10 @@
 #include "pie/engine/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace pie::engine {
 
@@ -25,22 +28,36 @@ lights::ImportOptions importOptions(const Settings& settings) {
     return options;
 }
 
-Settings withTarget(Settings settings) {
-    if (!(settings.targetError > 0)) return settings;
-    settings.standardErrors = true;
-    struct Rung {
-        float target;
-        int rays;
-        float directTolerance;
+Settings chosen(Settings settings) {
+    const auto choose = [&](std::string_view key, std::string_view value) {
+        // Within their range, so this cannot fail; and below whatever was set.
+        if (settings.origin(key) <= Source::Preset) (void)settings.set(key, value, Source::Preset);
     };
-    // doc/trade.md has what each is good for.
-    constexpr std::array<Rung, 4> ladder{{{4, 128, 2}, {2, 256, 1}, {1, 1024, 0.2F}, {0, 4096, 0.05F}}};
-    const Rung& rung =
-        *std::find_if(ladder.begin(), ladder.end(), [&](const Rung& r) { return settings.targetError >= r.target; });
-    if (settings.origin("gather_rays") == Source::Default) settings.gatherRays = rung.rays;
-    if (settings.origin("direct_tolerance") == Source::Default) settings.directTolerance = rung.directTolerance;
-    // More frames than anybody waits for: the errors say when it is enough.
-    if (settings.origin("still_frames") == Source::Default) settings.stillFrames = 10'000;
+    if (settings.budgetMs > 0) {
+        // Answers for what is in view then fit about once into a frame (doc/performance.md). Longest edges are split
+        // first, so a bound on triangles is one on the length of edges.
+        constexpr float trianglesOfMillisecond = 12'000;
+        const float triangles = std::min(4e6F, trianglesOfMillisecond * settings.budgetMs);
+        const bool free = settings.origin("max_edge") <= Source::Preset;
+        if (free) choose("max_triangles", fmt::format("{:.0f}", triangles));
+        choose("max_edge", "32");
+    }
+    if (settings.targetError > 0) {
+        struct Rung {
+            float target;
+            std::string_view rays, directTolerance;
+        };
+        // doc/trade.md has what each is good for.
+        constexpr std::array<Rung, 4> ladder{
+            {{4, "128", "2"}, {2, "256", "1"}, {1, "1024", "0.2"}, {0, "4096", "0.05"}}};
+        const Rung& rung = *std::find_if(ladder.begin(), ladder.end(),
+                                         [&](const Rung& r) { return settings.targetError >= r.target; });
+        choose("standard_errors", "true");
+        choose("gather_rays", rung.rays);
+        choose("direct_tolerance", rung.directTolerance);
+        // More frames than anybody waits for: the errors say when it is enough.
+        choose("still_frames", "10000");
+    }
     return settings;
 }
 

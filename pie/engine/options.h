@@ -14,8 +14,8 @@ namespace pie::engine {
 [[nodiscard]] scene::SceneOptions sceneOptions(const Settings& settings);
 [[nodiscard]] lights::ImportOptions importOptions(const Settings& settings);
 
-/// What follows from target_error: the values that were not set are chosen by it.
-[[nodiscard]] Settings withTarget(Settings settings);
+/// What follows from budget_ms and target_error: values that nobody set are chosen by them.
+[[nodiscard]] Settings chosen(Settings settings);
 /// Whether light is gathered from surface texels, so that photons are kept in no map.
 [[nodiscard]] bool gathers(const Settings& settings);
 /// Whether texels have direct light from first hits: asked for, or because there are many lights.

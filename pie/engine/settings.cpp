@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace pie::engine {
 namespace {
@@ -38,6 +39,7 @@ Error unknownKey(std::string_view key) {
 std::string_view sourceName(Source source) {
     switch (source) {
     case Source::Default: return "default";
+    case Source::Preset: return "preset";
     case Source::Level: return "level";
     case Source::File: return "file";
     case Source::Options: return "options";
@@ -59,8 +61,34 @@ Result<bool> Settings::set(std::string_view key, std::string_view value, Source 
     }
     changed.origins_.resize(table::rows().size(), Source::Default);
     changed.origins_[*index] = source;
+    if (key == "preset") changed.applyPreset();
     *this = std::move(changed);
     return true;
+}
+
+/// Every preset speaks of the same keys, so that one undoes the other.
+void Settings::applyPreset() {
+    struct Line {
+        std::string_view key, draft, balanced, accurate;
+    };
+    static constexpr std::array<Line, 5> lines{{
+        {"photons_from_light", "1000", "2500", "2500"},
+        {"gather_rays", "64", "128", "256"},
+        {"still_frames", "50", "100", "100"},
+        {"direct_tolerance", "2", "1", "0.5"},
+        {"max_edge", "128", "32", "24"},
+    }};
+    const Settings defaults;
+    for (const Line& line : lines) {
+        const std::size_t index = *table::find(line.key);
+        if (origins_[index] > Source::Preset) continue;
+        const std::array<std::string_view, 4> values{"", line.draft, line.balanced, line.accurate};
+        const table::Row& row = table::rows()[index];
+        const auto which = static_cast<std::size_t>(preset);
+        const Result<bool> written =
+            table::write(row, which == 0 ? table::read(row, defaults) : std::string(values.at(which)), *this);
+        if (written) origins_[index] = which == 0 ? Source::Default : Source::Preset;
+    }
 }
 
 Result<bool> Settings::setPair(std::string_view pair, Source source) {

@@ -4,10 +4,10 @@
 // or documents a setting reads the table; a new setting is one field here and one row there.
 //
 // Protocol: make a Settings, then feed it in any order: `readFile` (TOML), `setOptions` (an OSG option string) and
-// `set` (one key from a command line). The source ranks, not the order of the calls: default < level < file < option
-// string < command line; a value from a lower source never replaces one from a higher. `origin` tells where a value
-// came from. Errors name the key and what is allowed; a key that does not exist is an error that suggests the nearest.
-// A call that fails changes nothing.
+// `set` (one key from a command line). The source ranks, not the order of the calls: default < preset < level < file <
+// option string < command line; a value from a lower source never replaces one from a higher. `origin` tells where a
+// value came from. Errors name the key and what is allowed; a key that does not exist is an error that suggests the
+// nearest. A call that fails changes nothing.
 
 #include "pie/core/result.h"
 #include "pie/gather/nearest_photons.h"
@@ -41,9 +41,13 @@ enum class ColorSpace : std::uint8_t { Quake3, Srgb };
 enum class Blending : std::uint8_t { Multiply, AddSigned };
 enum class Renderer : std::uint8_t { Glsl, Fixed };
 
-/// Where a value came from, lowest precedence first.
-enum class Source : std::uint8_t { Default, Level, File, Options, CommandLine };
-[[nodiscard]] std::string_view sourceName(Source source); ///< "default", "level", "file", "options", "command line"
+/// Points on the measured front of speed against accuracy (doc/trade.md). None: every setting for itself.
+enum class Preset : std::uint8_t { None, Draft, Balanced, Accurate };
+
+/// Where a value came from, lowest precedence first. Preset: from `preset`, or chosen by budget_ms or target_error.
+enum class Source : std::uint8_t { Default, Preset, Level, File, Options, CommandLine };
+/// "default", "preset", "level", "file", "options", "command line"
+[[nodiscard]] std::string_view sourceName(Source source);
 
 struct Settings {
     // View
@@ -57,6 +61,7 @@ struct Settings {
     bool deluxe = true; ///< baked: recognise interleaved deluxe lightmaps
 
     // Speed and accuracy
+    Preset preset = Preset::None;
     float budgetMs = 0;    ///< milliseconds of a frame for light; 0: no bound
     float targetError = 0; ///< per cent, relative standard error; 0: none
 
@@ -169,6 +174,7 @@ struct Settings {
     [[nodiscard]] std::vector<std::string> warnings() const;
 
 private:
+    void applyPreset();
     std::vector<Source> origins_; ///< by row of the table; empty: all Default
 };
 

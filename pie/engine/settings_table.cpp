@@ -19,6 +19,7 @@ template <auto Member> constexpr Choice choice(std::span<const std::string_view>
 
 // In the order of the enumerations.
 constexpr std::array<std::string_view, 4> viewNames{"lit", "baked", "fullbright", "light"};
+constexpr std::array<std::string_view, 4> presetNames{"none", "draft", "balanced", "accurate"};
 constexpr std::array<std::string_view, 2> rendererNames{"glsl", "fixed"};
 constexpr std::array<std::string_view, 2> colorSpaceNames{"quake3", "srgb"};
 constexpr std::array<std::string_view, 2> blendingNames{"multiply", "add_signed"};
@@ -77,12 +78,22 @@ constexpr std::array table{
         "one by mistake.",
         ""},
 
+    Row{"preset", "Speed and accuracy", choice<&Settings::preset>(presetNames), 0, 0, "",
+        "Points on the measured front of speed against accuracy (doc/trade.md). draft: a fifth to a third of the time "
+        "of a frame, "
+        "soft shadows' edges in coarse steps. balanced: half as sharp again as the default, in less time a frame, "
+        "refined later. "
+        "accurate: sharper still, at several times the refinement. What is set besides stays as set. none: the "
+        "defaults.",
+        ""},
     Row{"budget_ms", "Speed and accuracy", &Settings::budgetMs, 0, 10'000, "milliseconds a frame",
         "Time that light may take of a frame, update and draw together, drawing itself not counted. Photons, "
         "refinement "
         "and the order of work then follow from it: lights that change first, then what is in view; answers that do "
         "not "
-        "fit come a few frames later. 0: a frame takes what photons_from_light and refine_rays cost. What a still view "
+        "fit come a few frames later. Where max_edge and max_triangles are not set, triangles are at most 12,000 a "
+        "millisecond, down to edges of 32. 0: a frame takes what photons_from_light and refine_rays cost. What a still "
+        "view "
         "ends with is the same.",
         ""},
     Row{"target_error", "Speed and accuracy", &Settings::targetError, 0, 100, "per cent",

@@ -74,7 +74,7 @@ constexpr std::uint64_t takenBackAtOnce = 1 << 18;
 Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLights, const level::Tree& tree,
                         const scene::Receivers& theReceivers, const Settings& theSettings)
     : scene(std::move(around.scene)), lights(std::move(theLights), scene), intersector(std::move(around.intersector)),
-      receivers(theReceivers), settings(withTarget(theSettings)),
+      receivers(theReceivers), settings(chosen(theSettings)),
       tracer(*scene, lights, *intersector, tracerOptions(settings, lights)),
       map(static_cast<std::size_t>(settings.accumulationFrames),
           settings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree,
@@ -129,8 +129,7 @@ Surroundings makeSurroundings(std::shared_ptr<const scene::Scene> scene, const l
                               const Settings& settings) {
     Surroundings around;
     around.intersector = intersect::makeIntersector(settings.intersector, *scene, tree);
-    if (gathers(settings))
-        around.texels = gather::CachedGather::makeTexels(*scene, gatherOptions(withTarget(settings)));
+    if (gathers(settings)) around.texels = gather::CachedGather::makeTexels(*scene, gatherOptions(chosen(settings)));
     around.scene = std::move(scene);
     return around;
 }

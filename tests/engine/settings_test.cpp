@@ -1,3 +1,4 @@
+#include "pie/engine/options.h"
 #include "pie/engine/settings.h"
 #include "tests/support/files.h"
 
@@ -64,6 +65,7 @@ TEST(Settings, EveryRowIsDescribedAndKeysAreUnique) {
 TEST(Settings, EveryRowWritesItsOwnFieldAndNoOther) {
     for (const SettingInfo& info : describe()) {
         if (info.key == "config") continue; // reads a file: SettingsFile
+        if (info.key == "preset") continue; // writes others, too: see below
         SCOPED_TRACE(info.key);
         Settings settings;
         const std::string wanted = otherValue(info);
@@ -347,6 +349,48 @@ TEST(SettingsPage, IsWhatTheDocumentationSays) {
     EXPECT_EQ(test::readText(file), settingsPage())
         << "doc/settings.md is stale. Run: PIE_UPDATE_DOC=1 build/release/bin/engine_tests "
            "--gtest_filter='SettingsPage.*'";
+}
+
+TEST(Settings, PresetsSayWhatNobodySetAndGiveWayToWhoeverDoes) {
+    Settings settings;
+    ASSERT_TRUE(settings.set("max_edge", "48", Source::File));
+    ASSERT_TRUE(settings.set("preset", "draft", Source::Level));
+    EXPECT_EQ(settings.gatherRays, 64);
+    EXPECT_EQ(settings.maxEdge, 48.0F);
+    EXPECT_EQ(settings.origin("gather_rays"), Source::Preset);
+    ASSERT_TRUE(settings.set("photons_from_light", "777", Source::Level));
+    ASSERT_TRUE(settings.set("preset", "accurate", Source::CommandLine));
+    EXPECT_EQ(settings.gatherRays, 256);
+    EXPECT_EQ(settings.directTolerance, 0.5F);
+    EXPECT_EQ(settings.photonsFromLight, 777);
+    EXPECT_EQ(settings.stillFrames, 100) << "of the draft nothing stays";
+    const Result<bool> late = settings.set("preset", "draft", Source::Options);
+    ASSERT_TRUE(late);
+    EXPECT_FALSE(*late);
+    EXPECT_EQ(settings.gatherRays, 256);
+    ASSERT_TRUE(settings.set("preset", "none", Source::CommandLine));
+    EXPECT_EQ(settings.gatherRays, Settings{}.gatherRays);
+    EXPECT_EQ(settings.origin("gather_rays"), Source::Default);
+    EXPECT_FALSE(settings.set("preset", "best", Source::CommandLine));
+}
+
+TEST(Settings, BudgetAndTargetChooseWhatNobodySet) {
+    Settings settings;
+    const Settings as = chosen(settings);
+    EXPECT_EQ(as.effective(), settings.effective());
+    settings.budgetMs = 8;
+    EXPECT_EQ(chosen(settings).maxTriangles, 96'000);
+    EXPECT_EQ(chosen(settings).maxEdge, 32.0F);
+    ASSERT_TRUE(settings.set("max_edge", "20", Source::Options));
+    EXPECT_EQ(chosen(settings).maxEdge, 20.0F);
+    EXPECT_EQ(chosen(settings).maxTriangles, settings.maxTriangles);
+    settings.targetError = 1;
+    EXPECT_TRUE(chosen(settings).standardErrors);
+    EXPECT_EQ(chosen(settings).gatherRays, 1024);
+    settings.targetError = 0.1F;
+    EXPECT_EQ(chosen(settings).gatherRays, 4096);
+    ASSERT_TRUE(settings.set("gather_rays", "64", Source::File));
+    EXPECT_EQ(chosen(settings).gatherRays, 64);
 }
 
 } // namespace
