@@ -58,9 +58,9 @@ public:
     [[nodiscard]] const lights::ImportedLights& lights() const;
 
     /// Light number `number` from now on; nullopt: none. Below lights().lights.size(): one of the level's, which so
-    /// moves, changes or goes out. From there on: lights of one's own, in any number. Shows in the next frame; the
-    /// light it throws back is renewed within `accumulation_frames`. By the thread that calls advance(). Calls
-    /// prepare().
+    /// moves, changes or goes out. From there on: lights of one's own, in any number; directions of any length. Shows
+    /// in the next frame; the light it throws back is renewed within `accumulation_frames`. By the thread that calls
+    /// advance(). Calls prepare().
     void setLight(std::size_t number, std::optional<lights::Light> light);
     /// The number a further light of one's own may take: one more than the largest so far. Calls prepare().
     [[nodiscard]] std::size_t lightCount();

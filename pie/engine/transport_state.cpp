@@ -66,6 +66,16 @@ ChangingOptions changingOptions(const Settings& settings, const lights::LightSet
     return options;
 }
 
+void makeUnit(Vec3& direction) {
+    const float length = glm::length(direction);
+    if (length > 0.0F && std::isfinite(length)) direction /= length;
+}
+/// Directions as they are in a level.
+void makeUnit(lights::Light& light) {
+    if (auto* spot = std::get_if<lights::SpotLight>(&light)) makeUnit(spot->direction);
+    if (auto* sun = std::get_if<lights::SunLight>(&light)) makeUnit(sun->towards);
+}
+
 /// Photons of a light that went out are traced again so many at once.
 constexpr std::uint64_t takenBackAtOnce = 1 << 18;
 
@@ -136,6 +146,7 @@ Surroundings makeSurroundings(std::shared_ptr<const scene::Scene> scene, const l
 
 void Transport::State::setLight(std::size_t number, std::optional<lights::Light> light) {
     lightCount = std::max(lightCount, number + 1);
+    if (light) makeUnit(*light);
     if (!gathering) {
         if (mapLights.empty())
             for (const lights::Light& old : lights.lights()) mapLights.emplace_back(old);

@@ -48,7 +48,7 @@ struct SphereLight {
 /// radius h · slope: full inside, fading linearly over its outermost `rim` units.
 struct SpotLight {
     Vec3 position{0.0F};
-    Vec3 direction{0.0F};
+    Vec3 direction{0.0F}; ///< unit, else it gives nothing
     Rgb power{0.0F};
     float slope = 0.5F;
     float rim = 32;

@@ -231,6 +231,22 @@ TEST(ChangingLights, CostNothingWhereThereAreNone) {
     EXPECT_GT(changing.statistics().estimatorBytes, bytes);
 }
 
+TEST(ChangingLights, DirectionsNeedNotBeUnits) {
+    const Room room;
+    std::vector<std::vector<Rgb>> results;
+    for (const float length : {1.0F, 7.0F}) {
+        Transport changed = room.transport({}, roomSettings());
+        lights::SpotLight spot;
+        spot.position = Vec3(50, 50, 80);
+        spot.direction = Vec3(0, 0, -length);
+        spot.power = Rgb(1e7F);
+        changed.setLight(0, spot);
+        results.push_back(room.settle(changed));
+    }
+    EXPECT_GT(meanChannel(results[0][54]), 1.0F);
+    EXPECT_EQ(results[0], results[1]);
+}
+
 // Lights without any power, without number, or brighter than anything before.
 TEST(ChangingLights, ExtremesStayFinite) {
     const Room room;
