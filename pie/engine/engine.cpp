@@ -3,6 +3,8 @@
 #include "pie/core/clock.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/options.h"
+#include "pie/engine/refine_by_light.h"
+#include "pie/lights/light_set.h"
 
 #include <algorithm>
 #include <atomic>
@@ -40,6 +42,7 @@ struct Engine::State {
     double surveyMs = 0, prepareMs = 0; ///< each written once, under its flag
 
     void survey();
+    void split(const std::stop_token& stop);
 };
 
 /// All that does not depend on receivers.
@@ -51,6 +54,21 @@ void Engine::State::survey() {
         around = makeSurroundings(std::move(scene), level->tree, settings);
         surveyMs = millisecondsSince(start);
     });
+}
+
+void Engine::State::split(const std::stop_token& stop) {
+    const bool byLight = settings.refineBy == RefineBy::Light && settings.meshRefinement > 0;
+    if (!byLight) {
+        scene::RefineOptions options = refineOptions(settings);
+        options.stop = stop;
+        scene::refine(mesh, options);
+        return;
+    }
+    survey();
+    scene::AdaptOptions options = adaptOptions(settings);
+    options.stop = stop;
+    const lights::LightSet lights(imported.lights, around.scene);
+    refineByLight(mesh, *level, *around.scene, lights, *around.intersector, options, settings.seed);
 }
 
 Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settings, Refinement refinement)
@@ -66,9 +84,7 @@ Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settin
 void Engine::refine(const std::stop_token& stop) {
     State& s = *state_;
     if (s.refined) return;
-    scene::RefineOptions options = refineOptions(s.settings);
-    options.stop = stop;
-    scene::refine(s.mesh, options);
+    s.split(stop);
     if (stop.stop_requested()) return;
     s.receivers = scene::makeReceivers(s.mesh, *s.level);
     s.refined = true;

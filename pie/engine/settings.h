@@ -34,6 +34,8 @@ enum class EstimatorKind : std::uint8_t { Gather, TrueArea, Nearest };
 enum class DirectLight : std::uint8_t { ShadowRays, Photons };
 /// Where the texels of a gather have direct light from.
 enum class TexelLight : std::uint8_t { Auto, ShadowRays, Photons };
+/// What decides where triangles are split: Length, or Light: where direct light changes.
+enum class RefineBy : std::uint8_t { Length, Light };
 enum class PhotonMapKind : std::uint8_t { KdTree, Exact };
 /// Quake3: colours are used as stored; Srgb: linearised, and encoded again for display.
 enum class ColorSpace : std::uint8_t { Quake3, Srgb };
@@ -116,6 +118,9 @@ struct Settings {
     // Geometry
     int meshRefinement = std::numeric_limits<int>::max(); ///< splits, at most
     float maxEdge = 64;                                   ///< units
+    RefineBy refineBy = RefineBy::Length;
+    float refineError = 8; ///< lightmap units U
+    int maxVertices = 4'000'000;
     int maxTriangles = 4'000'000;
     float tJunctionTolerance = 0.01F; ///< units
     float patchTolerance = 1;         ///< units

@@ -37,6 +37,7 @@ constexpr std::array<std::string_view, 2> mapNames{"kd_tree", "exact"};
 constexpr std::array<std::string_view, 4> splitNames{"none", "normal", "cell", "both"};
 constexpr std::array<std::string_view, 2> directNames{"shadow_rays", "photons"};
 constexpr std::array<std::string_view, 3> texelLightNames{"auto", "shadow_rays", "photons"};
+constexpr std::array<std::string_view, 2> refineByNames{"length", "light"};
 constexpr std::array<std::string_view, 2> reflectanceNames{"texture", "compiler"};
 
 // clang-format off: one row is one paragraph
@@ -300,6 +301,19 @@ constexpr std::array table{
         "Edges are split until none is longer. Half the length: four times the receivers, in time and memory, and "
         "shadows twice as sharp.",
         "pi-engine parameter 2"},
+    Row{"refine_by", "Geometry", choice<&Settings::refineBy>(refineByNames), 0, 0, "",
+        "length: every edge down to max_edge. light: edges down to 4 max_edge, then only those across which direct "
+        "light changes by more than refine_error, down to max_edge / 8: fewer vertices for the same shadows, seconds "
+        "of shadow rays before the first frame.",
+        ""},
+    Row{"refine_error", "Geometry", &Settings::refineError, 0.1, 10'000, "lightmap units",
+        "refine_by = light: an edge is split where direct light in its middle differs by more than this from what its "
+        "ends give. Smaller: more vertices, smoother and sharper.",
+        ""},
+    Row{"max_vertices", "Geometry", &Settings::maxVertices, 1000, 100'000'000, "vertices",
+        "refine_by = light: splitting stops at so many, and what is worst was split first. The bound on what a frame "
+        "costs.",
+        ""},
     Row{"max_triangles", "Geometry", &Settings::maxTriangles, 1000, 100'000'000, "triangles",
         "Refinement stops here whatever the other two say: the bound on memory.", ""},
     Row{"t_junction_tolerance", "Geometry", &Settings::tJunctionTolerance, 0, 1, "units",

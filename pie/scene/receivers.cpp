@@ -3,6 +3,7 @@
 #include "pie/core/parallel.h"
 #include "pie/scene/geometry.h"
 #include "pie/scene/position_index.h"
+#include "pie/scene/takes_light.h"
 
 #include <glm/vec3.hpp>
 
@@ -17,21 +18,6 @@ namespace {
 /// Of the distance to the far side of its triangle, how much a receiver may move; and how far at all, in units.
 constexpr float insetShare = 0.1F;
 constexpr float insetUnits = 1.0F;
-
-/// Light reaches a surface in the game through its lightmap, its vertex colours or the light grid; a flame that is only
-/// added on top gets none.
-bool lit(const level::Shader& shader) {
-    if (shader.stages.empty()) return true;
-    return std::any_of(shader.stages.begin(), shader.stages.end(), [](const level::Stage& stage) {
-        switch (stage.rgbGen) {
-        case level::RgbGen::Vertex:
-        case level::RgbGen::ExactVertex:
-        case level::RgbGen::OneMinusVertex:
-        case level::RgbGen::LightingDiffuse: return true;
-        default: return stage.source == level::Stage::Source::Lightmap;
-        }
-    });
-}
 
 struct Treatment {
     bool lit = false, twoSided = false;
@@ -180,9 +166,23 @@ Vec3 insetOf(const Mesh& mesh, std::span<const std::uint32_t> corners, const Rec
 
 } // namespace
 
+bool takesLight(const level::Shader& shader) {
+    if (shader.stages.empty()) return true;
+    return std::any_of(shader.stages.begin(), shader.stages.end(), [](const level::Stage& stage) {
+        switch (stage.rgbGen) {
+        case level::RgbGen::Vertex:
+        case level::RgbGen::ExactVertex:
+        case level::RgbGen::OneMinusVertex:
+        case level::RgbGen::LightingDiffuse: return true;
+        default: return stage.source == level::Stage::Source::Lightmap;
+        }
+    });
+}
+
 Receivers makeReceivers(const Mesh& mesh, const level::Level& level) {
     std::vector<Treatment> shaders(level.shaders.size());
-    for (std::size_t s = 0; s < shaders.size(); ++s) shaders[s] = {lit(level.shaders[s]), level.shaders[s].twoSided()};
+    for (std::size_t s = 0; s < shaders.size(); ++s)
+        shaders[s] = {takesLight(level.shaders[s]), level.shaders[s].twoSided()};
     Receivers receivers;
     receivers.ofVertex.assign(mesh.vertices.size(), noReceiver);
     Finder finder(receivers.points, mesh.vertices.size());

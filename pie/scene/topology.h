@@ -30,7 +30,15 @@ public:
     [[nodiscard]] const Edge& edge(std::uint32_t e) const { return edges_[e]; }
     [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }
     [[nodiscard]] std::size_t triangleCount() const { return mesh_.triangles.size() - dropped_; }
+    [[nodiscard]] std::size_t vertexCount() const { return mesh_.vertices.size(); }
     [[nodiscard]] float squaredLength(std::uint32_t e) const;
+    /// Calls use(t, i) for the triangles of the edge: corner i of Mesh::triangles[t] starts it.
+    template <class Use> void forEachTriangle(std::uint32_t e, const Use& use) const {
+        for (std::uint32_t corner = edges_[e].corner; corner != none; corner = next_[corner])
+            use(corner / 3, corner % 3);
+    }
+    /// The edge that starts at corner i of triangle t.
+    [[nodiscard]] std::uint32_t edgeOf(std::uint32_t t, std::uint32_t i) const { return cornerEdge_[3 * t + i]; }
 
     /// The edges that some triangle has, each once, surface by surface: who visits many edges does so place by place.
     [[nodiscard]] std::vector<std::uint32_t> edgesInOrder() const;

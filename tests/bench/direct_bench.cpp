@@ -10,7 +10,11 @@
 //
 //   direct_bench --refine [level …]       prints CSV: per level and max_edge, receivers, milliseconds of processor time
 //                                         for mesh and receivers, mean and 95th percentile of the error in U
-
+//
+// With --refine-by-light: the same where edges are split by light (refine_by = light, max_edge = 64), by refine_error,
+// beside meshes split by length.
+//
+//   direct_bench --refine-by-light [level …]     prints CSV: as --refine, and which of the two
 //
 // With --noise: how honest the standard errors that come with direct light are, where there is more than 1 U.
 //
@@ -18,6 +22,7 @@
 //                                         standard error in U, and the share of errors within one standard error
 
 #include "pie/core/parallel.h"
+#include "pie/engine/refine_by_light.h"
 #include "pie/gather/direct.h"
 #include "pie/lights/import.h"
 #include "pie/scene/mesh.h"
@@ -203,40 +208,65 @@ std::vector<Probe> spread(const Mesh& mesh, const Receivers& receivers, std::siz
     return probes;
 }
 
+/// Prints the rest of a line.
+template <class MakeMesh> void errorOf(const Lit& lit, const MakeMesh& makeMesh) {
+    const std::clock_t start = std::clock();
+    const Mesh mesh = makeMesh();
+    const Receivers receivers = makeReceivers(mesh, lit.level);
+    const double time = milliseconds(start);
+    const std::vector<Probe> probes = spread(mesh, receivers, 4000);
+    Receivers asked; // per probe its corners, then the point itself
+    for (const Probe& probe : probes) {
+        Receiver point;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t vertex = probe.corners.at(i);
+            asked.points.push_back(receivers.points[receivers.ofVertex[vertex]]);
+            point.position += probe.weights.at(i) * mesh.vertices[vertex].position;
+            point.normal += probe.weights.at(i) * asked.points.back().normal;
+            point.twoSided = asked.points.back().twoSided;
+        }
+        point.normal = glm::normalize(point.normal);
+        point.inset = point.position;
+        asked.points.push_back(point);
+    }
+    const std::vector<Rgb> light = lit.light(asked, {});
+    std::vector<double> errors;
+    for (std::size_t p = 0; p < probes.size(); ++p) {
+        double drawn = 0;
+        for (std::size_t i = 0; i < 3; ++i) drawn += double{probes[p].weights.at(i)} * brightness(light[4 * p + i]);
+        errors.push_back(std::abs(drawn - brightness(light[4 * p + 3])));
+    }
+    std::sort(errors.begin(), errors.end());
+    const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+    fmt::print("{},{:.1f},{:.4f},{:.4f}\n", receivers.points.size(), time, mean, errors[errors.size() * 95 / 100]);
+}
+
 void edgeAgainstError(const std::string& name) {
     pie::setThreads(1);
     const Lit lit(name);
     for (const float maxEdge : {256.0F, 181.0F, 128.0F, 91.0F, 64.0F, 45.0F, 32.0F, 23.0F, 16.0F}) {
-        const std::clock_t start = std::clock();
-        const Mesh mesh = lit.mesh(maxEdge);
-        const Receivers receivers = makeReceivers(mesh, lit.level);
-        const double time = milliseconds(start);
-        const std::vector<Probe> probes = spread(mesh, receivers, 4000);
-        Receivers asked; // per probe its corners, then the point itself
-        for (const Probe& probe : probes) {
-            Receiver point;
-            for (std::size_t i = 0; i < 3; ++i) {
-                const std::uint32_t vertex = probe.corners.at(i);
-                asked.points.push_back(receivers.points[receivers.ofVertex[vertex]]);
-                point.position += probe.weights.at(i) * mesh.vertices[vertex].position;
-                point.normal += probe.weights.at(i) * asked.points.back().normal;
-                point.twoSided = asked.points.back().twoSided;
-            }
-            point.normal = glm::normalize(point.normal);
-            point.inset = point.position;
-            asked.points.push_back(point);
-        }
-        const std::vector<Rgb> light = lit.light(asked, {});
-        std::vector<double> errors;
-        for (std::size_t p = 0; p < probes.size(); ++p) {
-            double drawn = 0;
-            for (std::size_t i = 0; i < 3; ++i) drawn += double{probes[p].weights.at(i)} * brightness(light[4 * p + i]);
-            errors.push_back(std::abs(drawn - brightness(light[4 * p + 3])));
-        }
-        std::sort(errors.begin(), errors.end());
-        const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
-        fmt::print("{},{},{},{:.1f},{:.4f},{:.4f}\n", name, maxEdge, receivers.points.size(), time, mean,
-                   errors[errors.size() * 95 / 100]);
+        fmt::print("{},{},", name, maxEdge);
+        errorOf(lit, [&] { return lit.mesh(maxEdge); });
+    }
+}
+
+void lightAgainstLength(const std::string& name) {
+    pie::setThreads(1);
+    const Lit lit(name);
+    for (const float maxEdge : {128.0F, 64.0F, 32.0F}) {
+        fmt::print("{},length,{},", name, maxEdge);
+        errorOf(lit, [&] { return lit.mesh(maxEdge); });
+    }
+    for (const float error : {32.0F, 8.0F, 2.0F}) {
+        fmt::print("{},light,{},", name, error);
+        errorOf(lit, [&] {
+            pie::engine::Settings settings;
+            settings.refineError = error;
+            Mesh mesh = pie::scene::makeMesh(lit.level);
+            pie::engine::refineByLight(mesh, lit.level, *lit.scene, lit.lights, *lit.intersector,
+                                       pie::engine::adaptOptions(settings));
+            return mesh;
+        });
     }
 }
 
@@ -247,13 +277,16 @@ int main(int argumentCount, char** arguments) {
     const std::string mode = levels.empty() || levels.front().rfind("--", 0) != 0 ? "" : levels.front();
     if (!mode.empty()) levels.erase(levels.begin());
     if (levels.empty()) levels = {"kaos2"};
-    fmt::print("{}\n", mode == "--refine" ? "level,max_edge,receivers,milliseconds,error,error95"
+    fmt::print("{}\n", mode == "--refine"            ? "level,max_edge,receivers,milliseconds,error,error95"
+                       : mode == "--refine-by-light" ? "level,by,limit,receivers,milliseconds,error,error95"
                        : mode == "--noise"
                            ? "level,samples,tolerance,receivers,error,standard_error,within_one,exact"
                            : "level,lights,samples,tolerance,rays,rays_exhaustive,milliseconds,mean,error");
     for (const std::string& level : levels)
         if (mode == "--refine")
             edgeAgainstError(level);
+        else if (mode == "--refine-by-light")
+            lightAgainstLength(level);
         else if (mode == "--noise")
             errorAgainstNoise(level);
         else
