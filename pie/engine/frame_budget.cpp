@@ -6,7 +6,7 @@
 namespace pie::engine {
 namespace {
 
-constexpr double planned = 0.85;       // of the budget; the rest is for what cannot be foreseen
+constexpr double planned = 0.8;       // of the budget; the rest is for what cannot be foreseen
 constexpr double mostForDraw = 0.6;    // of what is planned
 constexpr double learning = 0.25;      // weight of the last frame in a cost
 constexpr double firstRays = 5'000;    // while nothing is known
@@ -30,6 +30,7 @@ FrameBudget::Plan FrameBudget::plan(const Work& work, unsigned wholeFrame, std::
     period_ = static_cast<unsigned>(std::clamp(std::ceil(draw / mostDraw), 1.0, double{longestPeriod}));
     drawAllowed_ = std::min(draw, mostDraw);
     left -= drawAllowed_;
+    if (!work.refine) left = std::max(0.0, left - cost(Kind::Renew).perUnit);
     Plan plan;
     const auto parts = [&](Kind kind, unsigned most, double share) {
         if (most == 0) return 0U;

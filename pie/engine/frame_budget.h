@@ -25,6 +25,7 @@ public:
         TraceStill,    ///< per part of a frame of photons of the lights that stand still
         TraceChanging, ///< of those that change
         Refine,        ///< per ray
+        Renew,         ///< of what surfaces reflect, once a frame in which photons came and nothing is refined
         Draw,          ///< per receiver
     };
     /// What could be done.
@@ -66,7 +67,7 @@ private:
 
     static constexpr std::size_t remembered = 256;
     double budget_;
-    std::array<Cost, 4> costs_;
+    std::array<Cost, 5> costs_;
     std::array<float, remembered> frames_{};
     std::size_t frameCount_ = 0;
     double spent_ = 0, drawAllowed_ = 0, drawSpent_ = 0;

@@ -277,7 +277,9 @@ bool Transport::State::refine(std::uint64_t rays) {
     // What texels reflect is made from their sums anew: a part of building, whoever asks for it.
     const auto update = [&] {
         gathering->update();
-        statistics.buildMs += millisecondsSince(start);
+        const double ms = millisecondsSince(start);
+        statistics.buildMs += ms;
+        budget.report(FrameBudget::Kind::Renew, 1, ms);
         return false;
     };
     if (!askedInRound && statistics.unfinished == 0) return update();
