@@ -101,11 +101,11 @@ bool Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
         s.deferred = true;
         s.statistics.estimatesDeferred += which.size();
     } else {
-        std::vector<std::uint32_t> wanted;
+        s.missing.clear();
         for (const std::uint32_t r : which)
-            if (!s.settings.useEstimateCache || s.cache.revision[r] != revision) wanted.push_back(r);
-        s.statistics.estimatesReused += which.size() - wanted.size();
-        if (!wanted.empty()) s.estimate(wanted, revision);
+            if (!s.settings.useEstimateCache || s.cache.revision[r] != revision) s.missing.push_back(r);
+        s.statistics.estimatesReused += which.size() - s.missing.size();
+        if (!s.missing.empty()) s.estimate(s.missing, revision);
         if (!s.cache.answered.empty() && !which.empty())
             s.cache.answered[which.front()] = static_cast<std::uint32_t>(s.statistics.frames);
     }

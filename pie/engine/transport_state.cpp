@@ -319,17 +319,17 @@ void Transport::State::judge(bool refined) {
 
 void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint64_t revision) {
     auto start = Clock::now();
-    std::vector<Rgb> light(which.size(), Rgb(0.0F));
+    answers.assign(which.size(), Rgb(0.0F));
     if (direct && !gathering) {
-        std::vector<Rgb> directLight(which.size());
-        direct->estimate(which, directLight);
+        directAnswers.resize(which.size());
+        direct->estimate(which, directAnswers);
         statistics.directMs += millisecondsSince(start);
         budget.report(FrameBudget::Kind::Draw, 0, millisecondsSince(start));
         start = Clock::now();
-        estimator->estimate(which, light);
-        for (std::size_t i = 0; i < which.size(); ++i) light[i] += directLight[i];
+        estimator->estimate(which, answers);
+        for (std::size_t i = 0; i < which.size(); ++i) answers[i] += directAnswers[i];
     } else {
-        estimator->estimate(which, light);
+        estimator->estimate(which, answers);
     }
     if (direct) {
         statistics.directEstimates = direct->receiversComputed();
@@ -339,7 +339,7 @@ void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint6
     statistics.mapNodesVisited = visits.nodes + visits.leaves;
     statistics.mapPhotonsVisited = visits.photons;
     for (std::size_t i = 0; i < which.size(); ++i) {
-        cache.irradiance[which[i]] = light[i];
+        cache.irradiance[which[i]] = answers[i];
         cache.revision[which[i]] = revision;
     }
     statistics.estimatesMade += which.size();
@@ -361,20 +361,20 @@ bool Transport::State::mayDefer(std::span<const std::uint32_t> which, std::uint6
 
 void Transport::State::explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out) {
     estimator->explain(which, out);
-    std::vector<Rgb> light(which.size());
+    std::vector<Rgb> directly(which.size());
     std::vector<float> variance(which.size());
     const auto addErrors = [&] {
         for (std::size_t i = 0; i < which.size(); ++i)
             out[i].standardError = std::hypot(out[i].standardError, std::sqrt(variance[i]));
     };
     if (direct) {
-        direct->estimate(which, light, variance);
+        direct->estimate(which, directly, variance);
         if (!gathering)
-            for (std::size_t i = 0; i < which.size(); ++i) out[i].irradiance += light[i];
+            for (std::size_t i = 0; i < which.size(); ++i) out[i].irradiance += directly[i];
         addErrors();
     }
     if (!changing || !changing->direct()) return;
-    changing->direct()->estimate(which, light, variance);
+    changing->direct()->estimate(which, directly, variance);
     addErrors();
 }
 

@@ -52,6 +52,9 @@ struct Transport::State {
     EstimateCache cache;
     std::vector<std::uint64_t> asked; ///< by receiver: round of its last question; for gathering alone
     std::vector<std::uint32_t> wanted;
+    /// What is asked for and not known, and its light: kept from question to question for their memory.
+    std::vector<std::uint32_t> missing;
+    std::vector<Rgb> answers, directAnswers;
     /// Questions between two frames are a round. Frames without any go on with the last.
     std::uint64_t round = 1;
     bool askedInRound = false;
