@@ -65,15 +65,14 @@ IrradianceCallback::IrradianceCallback(std::shared_ptr<pie::engine::Engine> engi
 bool IrradianceCallback::refresh() const {
     const std::uint64_t revision = engine_->lightRevision();
     if (revision == revision_) return false;
-    // Light of some frame before is on the vertices already; the next draw asks again.
-    if (!engine_->irradiance(receivers_, irradiance_) && revision_ != 0) return false;
+    const bool current = engine_->irradiance(receivers_, irradiance_);
     osg::Vec4Array& colours = *colours_;
     for (std::size_t i = 0; i < receiverOfVertex_.size(); ++i) {
         const pie::Rgb light = irradiance_[receiverOfVertex_[i]] * scale_;
         colours[i].set(light.x, light.y, light.z, colours[i].a());
     }
     colours.dirty();
-    revision_ = revision;
+    if (current) revision_ = revision; // else some of it is older, and the next draw asks again
     return true;
 }
 

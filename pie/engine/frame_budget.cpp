@@ -6,12 +6,12 @@
 namespace pie::engine {
 namespace {
 
-constexpr double planned = 0.8;       // of the budget; the rest is for what cannot be foreseen
-constexpr double mostForDraw = 0.6;    // of what is planned
-constexpr double learning = 0.25;      // weight of the last frame in a cost
-constexpr double firstRays = 5'000;    // while nothing is known
-constexpr double fewestRays = 1'000;   // so that every frame gets somewhere
-constexpr unsigned longestPeriod = 16; // frames
+constexpr double planned = 0.8;     // of the budget; the rest is for what cannot be foreseen
+constexpr double mostAnswers = 0.6; // of what is planned
+constexpr double learning = 0.25;   // weight of the last frame in a cost
+constexpr double firstRays = 5'000; // while nothing is known
+constexpr double fewestAnswers = 500;
+constexpr double fewestRays = 1'000; // so that every frame gets somewhere
 
 } // namespace
 
@@ -23,15 +23,20 @@ double FrameBudget::affordable(Kind kind, double milliseconds, double ifUnknown)
 }
 
 FrameBudget::Plan FrameBudget::plan(const Work& work, unsigned wholeFrame, std::uint64_t rays) {
-    if (!bounded()) return {std::min(work.still, wholeFrame), std::min(work.changing, wholeFrame), rays};
-    double left = planned * budget_;
-    const double draw = cost(Kind::Draw).perUnit * static_cast<double>(work.receivers);
-    const double mostDraw = mostForDraw * left;
-    period_ = static_cast<unsigned>(std::clamp(std::ceil(draw / mostDraw), 1.0, double{longestPeriod}));
-    drawAllowed_ = std::min(draw, mostDraw);
-    left -= drawAllowed_;
-    if (!work.refine) left = std::max(0.0, left - cost(Kind::Renew).perUnit);
+    if (!bounded())
+        return {std::min(work.still, wholeFrame), std::min(work.changing, wholeFrame), rays, work.receivers};
+    double left = std::max(0.0, planned * budget_ - cost(Kind::Upload).perUnit);
     Plan plan;
+    // The smallest steps of the rest.
+    const double least = (work.still > 0 ? cost(Kind::TraceStill).perUnit : 0) +
+                         (work.changing > 0 ? cost(Kind::TraceChanging).perUnit : 0) +
+                         (work.refine ? fewestRays * cost(Kind::Refine).perUnit : 0);
+    const bool more = work.still > 0 || work.changing > 0 || work.refine;
+    const double forAnswers = more ? std::min(mostAnswers * left, left - least) : left;
+    const double answers = std::floor(affordable(Kind::Answer, forAnswers, fewestAnswers));
+    plan.receivers = std::min(work.receivers, static_cast<std::uint64_t>(std::max(answers, fewestAnswers)));
+    left = std::max(0.0, left - static_cast<double>(plan.receivers) * cost(Kind::Answer).perUnit);
+    if (!work.refine) left = std::max(0.0, left - cost(Kind::Renew).perUnit);
     const auto parts = [&](Kind kind, unsigned most, double share) {
         if (most == 0) return 0U;
         const double wanted = std::floor(affordable(kind, share * left, 1));
@@ -48,7 +53,15 @@ FrameBudget::Plan FrameBudget::plan(const Work& work, unsigned wholeFrame, std::
 
 void FrameBudget::report(Kind kind, double units, double milliseconds) {
     spent_ += milliseconds;
-    if (kind == Kind::Draw) drawSpent_ += milliseconds;
+    // Comes drawable by drawable; learned when the frame is over.
+    if (kind == Kind::Upload) {
+        uploaded_ += milliseconds;
+        return;
+    }
+    learn(kind, units, milliseconds);
+}
+
+void FrameBudget::learn(Kind kind, double units, double milliseconds) {
     if (!(units > 0)) return;
     Cost& its = costs_[static_cast<std::size_t>(kind)];
     const double now = milliseconds / units;
@@ -56,13 +69,10 @@ void FrameBudget::report(Kind kind, double units, double milliseconds) {
     its.known = true;
 }
 
-bool FrameBudget::drawFits(std::size_t receivers) const {
-    return !bounded() || drawSpent_ + cost(Kind::Draw).perUnit * static_cast<double>(receivers) <= drawAllowed_;
-}
-
 void FrameBudget::begin() {
     if (spent_ > 0) frames_[frameCount_++ % remembered] = static_cast<float>(spent_);
-    spent_ = drawSpent_ = 0;
+    if (uploaded_ > 0) learn(Kind::Upload, 1, uploaded_);
+    spent_ = uploaded_ = 0;
 }
 
 double FrameBudget::quantile(double share) const {

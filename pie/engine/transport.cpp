@@ -32,6 +32,7 @@ bool Transport::advance() {
         const std::lock_guard lock(s.mutex);
         s.budget.begin();
         lightsChanged = s.changeLights();
+        s.collect();
         plan = s.plan();
     }
     // The same indices give the same photons: once every frame is there, a still scene has nothing left to trace.
@@ -67,11 +68,13 @@ bool Transport::advance() {
     if (lightsChanged) s.convergence.restart();
     s.judge(refined);
     const bool changed = tracing || refined || lightsChanged;
+    const bool asked = s.askedInRound;
     if (changed) {
         s.askedInRound = false;
         ++s.lightRevision;
     }
     const bool deferred = std::exchange(s.deferred, false);
+    if (asked && (changed || deferred)) s.answer(plan.receivers);
     statistics.still = !changed && !deferred;
     return changed || deferred;
 }
@@ -95,22 +98,22 @@ bool Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
         std::fill(out.begin(), out.end(), Rgb(0.0F));
         return true;
     }
-    if (s.gathering) s.ask(which);
-    const bool defer = s.mayDefer(which, revision);
-    if (defer) {
-        s.deferred = true;
-        s.statistics.estimatesDeferred += which.size();
-    } else {
-        s.missing.clear();
-        for (const std::uint32_t r : which)
-            if (!s.settings.useEstimateCache || s.cache.revision[r] != revision) s.missing.push_back(r);
-        s.statistics.estimatesReused += which.size() - s.missing.size();
-        if (!s.missing.empty()) s.estimate(s.missing, revision);
-        if (!s.cache.answered.empty() && !which.empty())
-            s.cache.answered[which.front()] = static_cast<std::uint32_t>(s.statistics.frames);
+    s.ask(which);
+    s.missing.clear();
+    std::size_t deferred = 0;
+    for (const std::uint32_t r : which) {
+        if (s.settings.useEstimateCache && s.cache.revision[r] == revision) continue;
+        if (s.budget.bounded() && s.cache.revision[r] != 0)
+            ++deferred; // its turn comes in one of the next frames
+        else
+            s.missing.push_back(r);
     }
+    s.statistics.estimatesReused += which.size() - s.missing.size() - deferred;
+    s.statistics.estimatesDeferred += deferred;
+    s.deferred = s.deferred || deferred > 0;
+    if (!s.missing.empty()) s.estimate(s.missing, revision);
     for (std::size_t i = 0; i < which.size(); ++i) out[i] = s.cache.irradiance[which[i]];
-    return !defer;
+    return deferred == 0;
 }
 
 void Transport::explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out) {
@@ -132,7 +135,7 @@ Statistics Transport::statistics() const {
 void Transport::countUpload(double milliseconds) {
     const std::lock_guard lock(state_->mutex);
     state_->statistics.uploadMs += milliseconds;
-    state_->budget.report(FrameBudget::Kind::Draw, 0, milliseconds);
+    state_->budget.report(FrameBudget::Kind::Upload, 1, milliseconds);
 }
 
 } // namespace pie::engine

@@ -89,9 +89,8 @@ Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLig
       map(static_cast<std::size_t>(settings.accumulationFrames),
           settings.photonMap == PhotonMapKind::Exact ? maps::Search::Exact : maps::Search::KdTree,
           partition(theSettings, *scene, tree)),
-      levelLights(lights.lights().size()), lightCount(levelLights),
-      cache(theReceivers.points.size(), settings.budgetMs > 0), budget(double{settings.budgetMs}),
-      convergence(gathers(settings) ? double{settings.targetError} : 0),
+      levelLights(lights.lights().size()), lightCount(levelLights), cache(theReceivers.points.size()),
+      budget(double{settings.budgetMs}), convergence(gathers(settings) ? double{settings.targetError} : 0),
       partsToTrace(partsOfFrame * static_cast<std::uint64_t>(settings.stillFrames)) {
     const gather::NearestOptions options = nearestOptions(settings);
     if (settings.directLight == DirectLight::ShadowRays)
@@ -108,10 +107,10 @@ Transport::State::State(Surroundings&& around, std::vector<lights::Light> theLig
         gathering = gather.get();
         if (settings.recursionDepth > 0 && settings.aimedRays) aim(*gather);
         estimator = std::move(gather);
-        asked.assign(receivers.points.size(), 0);
     } else {
         estimator = std::make_unique<gather::NearestPhotons>(*scene, receivers, map, options);
     }
+    asked.assign(receivers.points.size(), 0);
     statistics.coarseTriangles = scene->triangles.size();
     statistics.lights = lights.lights().size();
     statistics.sceneBytes = scene->triangles.size() * (sizeof(scene::Triangle) + sizeof(Vec3)) +
@@ -222,7 +221,7 @@ FrameBudget::Plan Transport::State::plan() {
     } else if (framesTraced < static_cast<std::size_t>(settings.accumulationFrames)) {
         work.still = partsOfFrame;
     }
-    work.receivers = receiversAsked;
+    work.receivers = inView.size();
     FrameBudget::Plan plan = budget.plan(work, partsOfFrame, static_cast<std::uint64_t>(settings.refineRays));
     if (!budget.bounded()) plan.changing = std::min(work.changing, ChangingLights::pieces);
     return plan;
@@ -264,6 +263,14 @@ void Transport::State::take(std::vector<photons::Photon>&& photons, unsigned par
     }
 }
 
+/// What was asked for since the last frame is in view; frames without questions go on with what they had.
+void Transport::State::collect() {
+    if (!askedInRound) return;
+    inView.clear();
+    for (std::uint32_t r = 0; r < asked.size(); ++r)
+        if (asked[r] == round) inView.push_back(r);
+}
+
 void Transport::State::ask(std::span<const std::uint32_t> which) {
     if (!askedInRound) ++round;
     askedInRound = true;
@@ -284,12 +291,8 @@ bool Transport::State::refine(std::uint64_t rays) {
     };
     if (!askedInRound && statistics.unfinished == 0) return update();
     wanted.clear();
-    receiversAsked = 0;
-    for (std::uint32_t r = 0; r < asked.size(); ++r) {
-        if (asked[r] != round) continue;
-        ++receiversAsked;
+    for (const std::uint32_t r : inView)
         if (!gathering->finished(r)) wanted.push_back(r);
-    }
     statistics.unfinished = wanted.size();
     if (wanted.empty()) return update();
     const std::uint64_t traced = gathering->refine(wanted, rays);
@@ -304,13 +307,11 @@ bool Transport::State::refine(std::uint64_t rays) {
 void Transport::State::judge(bool refined) {
     if (!convergence.wanted()) return;
     if (refined) convergence.look();
-    if (refined || statistics.unfinished > 0 || receiversAsked == 0 || !convergence.due(partsTraced)) return;
+    if (refined || statistics.unfinished > 0 || inView.empty() || !convergence.due(partsTraced)) return;
     constexpr std::size_t most = 256;
     std::vector<std::uint32_t> sample;
-    const std::uint64_t step = std::max<std::uint64_t>(1, receiversAsked / most);
-    std::uint64_t count = 0;
-    for (std::uint32_t r = 0; r < asked.size(); ++r)
-        if (asked[r] == round && count++ % step == 0) sample.push_back(r);
+    const std::size_t step = std::max<std::size_t>(1, inView.size() / most);
+    for (std::size_t i = 0; i < inView.size(); i += step) sample.push_back(inView[i]);
     std::vector<gather::Estimate> estimates(sample.size());
     explain(sample, estimates);
     convergence.judge(estimates, partsTraced);
@@ -324,7 +325,7 @@ void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint6
         directAnswers.resize(which.size());
         direct->estimate(which, directAnswers);
         statistics.directMs += millisecondsSince(start);
-        budget.report(FrameBudget::Kind::Draw, 0, millisecondsSince(start));
+        budget.report(FrameBudget::Kind::Answer, 0, millisecondsSince(start));
         start = Clock::now();
         estimator->estimate(which, answers);
         for (std::size_t i = 0; i < which.size(); ++i) answers[i] += directAnswers[i];
@@ -345,18 +346,23 @@ void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint6
     statistics.estimatesMade += which.size();
     const double ms = millisecondsSince(start);
     statistics.estimateMs += ms;
-    budget.report(FrameBudget::Kind::Draw, static_cast<double>(which.size()), ms);
+    budget.report(FrameBudget::Kind::Answer, static_cast<double>(which.size()), ms);
 }
 
-/// Whether answers of an earlier frame do: this frame's time is spent, or is left to batches that waited longer.
-bool Transport::State::mayDefer(std::span<const std::uint32_t> which, std::uint64_t revision) const {
-    if (!budget.bounded() || which.empty()) return false;
-    for (const std::uint32_t r : which)
-        if (cache.revision[r] == 0) return false;
-    if (cache.revision[which.front()] == revision) return false;
-    const auto age = static_cast<std::uint32_t>(statistics.frames) - cache.answered[which.front()];
-    constexpr std::uint32_t longest = 32;
-    return age < longest && (age < budget.period() || !budget.drawFits(which.size()));
+/// Answers what is in view before the draw asks for it again, in one go on all cores; where not all of it fits, the
+/// oldest answers first.
+void Transport::State::answer(std::uint64_t most) {
+    const std::uint64_t revision = lightRevision;
+    if (!settings.useEstimateCache || revision == 0) return;
+    missing.clear();
+    const auto first = std::lower_bound(inView.begin(), inView.end(), nextInView) - inView.begin();
+    for (std::size_t i = 0; i < inView.size() && missing.size() < most; ++i) {
+        const std::uint32_t r = inView[(static_cast<std::size_t>(first) + i) % inView.size()];
+        if (cache.revision[r] != revision) missing.push_back(r);
+    }
+    if (missing.empty()) return;
+    nextInView = missing.back() + 1;
+    estimate(missing, revision);
 }
 
 void Transport::State::explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out) {

@@ -22,14 +22,9 @@ inline constexpr unsigned partsOfFrame = gather::PhotonSums::batches;
 struct EstimateCache {
     std::vector<Rgb> irradiance;
     std::vector<std::uint64_t> revision; ///< 0: never estimated
-    /// With a budget: frame in which the first receiver of a batch was answered last.
-    std::vector<std::uint32_t> answered;
 
-    EstimateCache(std::size_t receivers, bool bounded)
-        : irradiance(receivers), revision(receivers, 0), answered(bounded ? receivers : 0, 0) {}
-    [[nodiscard]] std::size_t bytes() const {
-        return revision.size() * (sizeof(Rgb) + sizeof(std::uint64_t)) + answered.size() * sizeof(std::uint32_t);
-    }
+    explicit EstimateCache(std::size_t receivers) : irradiance(receivers), revision(receivers, 0) {}
+    [[nodiscard]] std::size_t bytes() const { return revision.size() * (sizeof(Rgb) + sizeof(std::uint64_t)); }
 };
 
 struct Transport::State {
@@ -50,15 +45,16 @@ struct Transport::State {
     std::vector<std::optional<lights::Light>> mapLights; ///< with a photon map: all lights, once one has changed
     bool mapLightsChanged = false;
     EstimateCache cache;
-    std::vector<std::uint64_t> asked; ///< by receiver: round of its last question; for gathering alone
-    std::vector<std::uint32_t> wanted;
+    std::vector<std::uint64_t> asked;  ///< by receiver: round of its last question
+    std::vector<std::uint32_t> inView; ///< asked for in the last round, in order
+    std::vector<std::uint32_t> wanted; ///< of these, to be refined
+    std::uint32_t nextInView = 0;      ///< receiver whose answer is the oldest
     /// What is asked for and not known, and its light: kept from question to question for their memory.
     std::vector<std::uint32_t> missing;
     std::vector<Rgb> answers, directAnswers;
     /// Questions between two frames are a round. Frames without any go on with the last.
     std::uint64_t round = 1;
     bool askedInRound = false;
-    std::uint64_t receiversAsked = 0; ///< in the last round
     FrameBudget budget;
     Convergence convergence;
     bool deferred = false;                       ///< some answer since the last frame was an old one
@@ -82,10 +78,11 @@ struct Transport::State {
     photons::TraceCounts traceStill(unsigned parts, std::vector<photons::Photon>& photons) const;
     void take(std::vector<photons::Photon>&& photons, unsigned parts);
     void ask(std::span<const std::uint32_t> which);
+    void collect();
     bool refine(std::uint64_t rays);
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);
     void judge(bool refined);
-    [[nodiscard]] bool mayDefer(std::span<const std::uint32_t> which, std::uint64_t revision) const;
+    void answer(std::uint64_t most);
 };
 
 } // namespace pie::engine

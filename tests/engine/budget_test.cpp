@@ -23,7 +23,7 @@ using Kind = FrameBudget::Kind;
 
 /// A machine on which every kind of work has its price, give or take a tenth.
 struct Machine {
-    double still = 0.2, changing = 0.8, ray = 1e-4, receiver = 1e-4;
+    double still = 0.2, changing = 0.8, ray = 1e-4, receiver = 1e-4, upload = 0.2;
     std::mt19937 random{5};
     double spent = 0;
 
@@ -41,9 +41,8 @@ struct Machine {
         report(Kind::TraceStill, plan.still, still);
         report(Kind::TraceChanging, plan.changing, changing);
         report(Kind::Refine, static_cast<double>(plan.rays), ray);
-        constexpr std::size_t batch = 1000;
-        for (std::uint64_t r = 0; r < work.receivers; r += batch)
-            if (budget.period() == 1 || budget.drawFits(batch)) report(Kind::Draw, batch, receiver);
+        report(Kind::Answer, static_cast<double>(plan.receivers), receiver);
+        for (int drawable = 0; drawable < 10; ++drawable) report(Kind::Upload, 1, upload / 10);
     }
 };
 
@@ -54,8 +53,7 @@ TEST(FrameBudget, WithoutABoundAFrameIsAFrame) {
     EXPECT_EQ(plan.still, 16U);
     EXPECT_EQ(plan.changing, 3U);
     EXPECT_EQ(plan.rays, 7777U);
-    EXPECT_EQ(budget.period(), 1U);
-    EXPECT_TRUE(budget.drawFits(1'000'000));
+    EXPECT_EQ(plan.receivers, 5000U);
     EXPECT_EQ(budget.plan({7, 0, false, 0}, 16, 7777).still, 7U);
 }
 
@@ -82,12 +80,16 @@ TEST(FrameBudget, WhatCannotFitIsDoneInTheSmallestSteps) {
     EXPECT_GT(plan.rays, 0U);
 }
 
-TEST(FrameBudget, SlowDrawsAreSpreadOverFrames) {
+TEST(FrameBudget, AnswersThatDoNotFitAreSpreadOverFrames) {
     FrameBudget budget(8);
     Machine machine;
-    for (int i = 0; i < 50; ++i) machine.frame(budget, {0, 0, false, 200'000}); // 20 ms
-    EXPECT_GE(budget.period(), 4U);
-    EXPECT_LE(budget.period(), 6U);
+    const FrameBudget::Work work{0, 0, false, 200'000}; // 20 ms
+    for (int i = 0; i < 50; ++i) machine.frame(budget, work);
+    const auto alone = budget.plan(work, 16, 1).receivers;
+    EXPECT_GT(alone, 40'000U);
+    EXPECT_LT(alone, 80'000U);
+    EXPECT_LT(budget.plan({0, 0, true, 200'000}, 16, 1).receivers, alone) << "others want some of it";
+    EXPECT_EQ(budget.plan({0, 0, false, 700}, 16, 1).receivers, 700U);
 }
 
 gather::Estimate estimate(float light, float error) { return {Rgb(light), error, 0, 0, 0}; }
