@@ -8,10 +8,10 @@
 namespace pie::engine {
 namespace {
 
-constexpr double darkest = 0.05;                                     // of the mean light
-constexpr double growth = 1.25;                                      // of the photons between two looks
-constexpr double helpful = 0.97;                                     // of the error at half the photons
-constexpr std::uint64_t firstLook = 4 * gather::PhotonSums::batches; // parts
+constexpr double darkest = 0.05;                                        // of the mean light
+constexpr double growth = 1.25;                                         // of the photons between two looks
+constexpr double helpful = 0.97;                                        // of the error at half the photons
+constexpr std::uint64_t firstLook = 4ULL * gather::PhotonSums::batches; // parts
 
 } // namespace
 

@@ -79,7 +79,7 @@ double FrameBudget::quantile(double share) const {
     std::array<float, remembered> sorted = frames_;
     const std::size_t count = std::min(frameCount_, remembered);
     if (count == 0) return 0;
-    const auto place = static_cast<std::size_t>(share * static_cast<double>(count - 1) + 0.5);
+    const auto place = static_cast<std::size_t>(std::lround(share * static_cast<double>(count - 1)));
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(place),
                      sorted.begin() + static_cast<std::ptrdiff_t>(count));
     return static_cast<double>(sorted[place]);

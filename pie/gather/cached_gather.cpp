@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -56,7 +55,7 @@ CachedGather::CachedGather(const scene::Scene& scene, const lights::LightSet& li
       rows_(receivers.points.size()), stage_(receivers.points.size(), Unknown),
       own_(receivers.points.size(), SurfaceTexels::none) {
     if (!direct || options.texelsByPhotons)
-        firstHits_ = std::make_unique<TexelLight>(texels_, lights.largestPower(), nullptr, false);
+        firstHits_ = std::make_unique<PhotonSums>(texels_, lights.largestPower(), false);
     update();
 }
 
@@ -68,33 +67,30 @@ std::shared_ptr<const SurfaceTexels> CachedGather::makeTexels(const scene::Scene
 
 void CachedGather::aim(std::span<const photons::Photon> firstHits) { bright_.choose(firstHits); }
 
-/// First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.
-void CachedGather::split(std::span<const photons::Photon> photons) {
-    first_.clear();
-    later_.clear();
-    std::partition_copy(photons.begin(), photons.end(), std::back_inserter(first_), std::back_inserter(later_),
-                        [](const photons::Photon& photon) { return photon.bounce == 0; });
+Fallen CachedGather::fallen(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
+    texels_.find(photons, found_);
+    changed_ = true;
+    return {photons, found_, parts, firstPart};
 }
 
+/// First hits are direct light: with shadow rays, texels have it from those, and hardly anybody stores them.
 void CachedGather::add(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
-    split(photons);
-    light_.add(firstHits_ ? photons : std::span<const photons::Photon>(later_), parts, firstPart);
-    if (firstHits_) firstHits_->add(first_, parts, firstPart);
+    const Fallen all = fallen(photons, parts, firstPart);
+    light_.still().add(all, stillHits());
+    if (firstHits_) firstHits_->add(all, Hits::First);
     survey();
-    changed_ = true;
 }
 
 void CachedGather::clear() {
     light_.still().clear(lights_.largestPower());
-    if (firstHits_) firstHits_->still().clear(lights_.largestPower());
+    if (firstHits_) firstHits_->clear(lights_.largestPower());
     changed_ = true;
 }
 
 void CachedGather::takeBack(std::span<const photons::Photon> photons) {
-    split(photons);
-    light_.still().takeBack(firstHits_ ? photons : std::span<const photons::Photon>(later_));
-    if (firstHits_) firstHits_->still().takeBack(first_);
-    changed_ = true;
+    const Fallen all = fallen(photons, PhotonSums::batches, 0);
+    light_.still().takeBack(all, stillHits());
+    if (firstHits_) firstHits_->takeBack(all, Hits::First);
 }
 
 void CachedGather::mute(std::uint32_t light, const lights::LightSet& alone) {
@@ -117,19 +113,17 @@ void CachedGather::setChanging(const DirectLight* direct, double power) {
 }
 
 void CachedGather::addChanging(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
-    split(photons);
+    const Fallen all = fallen(photons, parts, firstPart);
     TexelLight::Changing& sums = light_.changing(1);
-    sums.first.add(first_, parts, firstPart);
-    sums.later.add(later_, parts, firstPart);
-    changed_ = true;
+    sums.first.add(all, Hits::First);
+    sums.later.add(all, Hits::Later);
 }
 
 void CachedGather::removeChanging(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
-    split(photons);
+    const Fallen all = fallen(photons, parts, firstPart);
     TexelLight::Changing& sums = light_.changing(1);
-    sums.first.remove(first_, parts, firstPart);
-    sums.later.remove(later_, parts, firstPart);
-    changed_ = true;
+    sums.first.remove(all, Hits::First);
+    sums.later.remove(all, Hits::Later);
 }
 
 void CachedGather::update() {

@@ -137,7 +137,8 @@ private:
     /// Points in a new row are numbered as if all of them gathered; numberPoints() then gives them their places.
     [[nodiscard]] GatherRow makeRow(std::span<const TexelHit> hits, unsigned n, float large) const;
     void numberPoints(GatherRow& row) const;
-    void split(std::span<const photons::Photon> photons);
+    [[nodiscard]] Fallen fallen(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart);
+    [[nodiscard]] Hits stillHits() const { return firstHits_ ? Hits::All : Hits::Later; }
     static constexpr std::size_t receiversPerChunk = 512; ///< that one thread estimates at once, here at most
     void putDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
     void addChangingDirect(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const;
@@ -159,7 +160,7 @@ private:
     BrightTexels bright_;
     std::unique_ptr<DirectLight> texelDirect_;
     TexelLight light_;
-    std::unique_ptr<TexelLight> firstHits_; ///< of photons alone, where texels have direct light from those
+    std::unique_ptr<PhotonSums> firstHits_; ///< of photons alone, where texels have direct light from those
     TexelRays gatherRays_, texelGatherRays_;
     std::vector<GatherRow> rows_;
     std::vector<std::uint8_t> stage_;
@@ -168,9 +169,9 @@ private:
     std::vector<std::uint32_t> placeOf_;         ///< by point: in gatheringPoints_; empty: none gathers
     std::vector<GatherRow> pointRows_;           ///< by place, like what follows
     std::vector<Rgb> pointDirect_;
-    std::vector<std::vector<Pair>> pointPairs_;  ///< for standard errors
-    Radiosities radiosity_;                      ///< bothWays
-    std::vector<photons::Photon> first_, later_; ///< of what is being added
+    std::vector<std::vector<Pair>> pointPairs_; ///< for standard errors
+    Radiosities radiosity_;                     ///< bothWays
+    std::vector<std::uint32_t> found_;          ///< texels of what is being added
     std::uint64_t rays_ = 0;
     bool surveyed_ = false, changed_ = true;
 };

@@ -44,30 +44,28 @@ void PhotonSums::clear(double power) {
     std::fill(batchSums_.begin(), batchSums_.end(), Sum{});
 }
 
-void PhotonSums::add(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
-    change(photons, 1, firstPart, parts);
-    parts_ += parts;
+void PhotonSums::add(const Fallen& fallen, Hits hits) {
+    change(fallen, hits, 1);
+    parts_ += fallen.parts;
 }
 
-void PhotonSums::remove(std::span<const photons::Photon> photons, unsigned parts, unsigned firstPart) {
-    change(photons, -1, firstPart, parts);
-    parts_ -= parts;
+void PhotonSums::remove(const Fallen& fallen, Hits hits) {
+    change(fallen, hits, -1);
+    parts_ -= fallen.parts;
 }
 
-void PhotonSums::takeBack(std::span<const photons::Photon> photons) { change(photons, -1, 0, batches); }
-
-void PhotonSums::change(std::span<const photons::Photon> photons, std::int64_t sign, unsigned firstBatch,
-                        unsigned parts) {
-    parallelChunks(photons.size(), photonsPerTask, [&](std::size_t begin, std::size_t end) {
+void PhotonSums::change(const Fallen& fallen, Hits hits, std::int64_t sign) {
+    parallelChunks(fallen.photons.size(), photonsPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const photons::Photon& photon = photons[i];
-            const std::uint32_t texel = texels_.find(photon);
+            const photons::Photon& photon = fallen.photons[i];
+            const std::uint32_t texel = fallen.texels[i];
             if (texel == SurfaceTexels::none) continue;
+            if (hits != Hits::All && (hits == Hits::First) != (photon.bounce == 0)) continue;
             const Sum change{sign * fixedPoint(photon.flux.x, unit_), sign * fixedPoint(photon.flux.y, unit_),
                              sign * fixedPoint(photon.flux.z, unit_), sign};
             for (std::size_t c = 0; c < change.size(); ++c) addTo(sums_[0][texel][c], change[c]);
             if (batchSums_.empty()) continue;
-            const std::size_t batch = (firstBatch + i * parts / photons.size()) % batches;
+            const std::size_t batch = (fallen.firstPart + i * fallen.parts / fallen.photons.size()) % batches;
             Sum& sum = batchSums_[std::size_t{texel} * batches + batch];
             for (std::size_t c = 0; c < change.size(); ++c) addTo(sum[c], change[c]);
         }

@@ -23,6 +23,16 @@
 
 namespace pie::gather {
 
+/// Photons of some parts of a frame, in the order of their indices, with the texels they fell on: these are found once
+/// for all sums that the photons go into. Each carries its share of a whole frame's light.
+struct Fallen {
+    std::span<const photons::Photon> photons;
+    std::span<const std::uint32_t> texels; ///< SurfaceTexels::find of each
+    unsigned parts = 16, firstPart = 0;
+};
+/// Which of them count. First hits are direct light.
+enum class Hits : std::uint8_t { All, First, Later };
+
 class PhotonSums {
 public:
     static constexpr unsigned batches = 16; ///< and parts of a frame
@@ -31,13 +41,11 @@ public:
     /// it. `texels` must outlive it.
     PhotonSums(const SurfaceTexels& texels, double power, bool keepBatches);
 
-    /// Photons of `parts` parts of a frame, in the order of their indices. Each carries its share of a whole frame's
-    /// light. They count to the batches from number `firstPart` on, in turns. What is removed was added with the same
-    /// numbers.
-    void add(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0);
-    void remove(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0);
+    /// They count to the batches from number `firstPart` on, in turns. What is removed was added alike.
+    void add(const Fallen& fallen, Hits hits = Hits::All);
+    void remove(const Fallen& fallen, Hits hits = Hits::All);
     /// Takes photons out without taking parts out: of a light that sends nothing any more. Not with batches.
-    void takeBack(std::span<const photons::Photon> photons);
+    void takeBack(const Fallen& fallen, Hits hits = Hits::All) { change(fallen, hits, -1); }
     /// Back to none, and to units of another power.
     void clear(double power);
 
@@ -60,7 +68,7 @@ public:
 
 private:
     using Sum = std::array<std::int64_t, 4>; ///< red, green, blue; photons
-    void change(std::span<const photons::Photon> photons, std::int64_t sign, unsigned firstBatch, unsigned parts);
+    void change(const Fallen& fallen, Hits hits, std::int64_t sign);
     void setUnit(double power);
     [[nodiscard]] Rgb irradiance(const Sum& sum, const SurfaceTexels::Texel& texel, double frames) const;
     [[nodiscard]] double frames() const { return static_cast<double>(parts_) / batches; }

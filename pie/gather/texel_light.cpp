@@ -24,6 +24,18 @@ TexelLight::TexelLight(const SurfaceTexels& texels, double power, const DirectLi
     directKnown_.assign(count, 0);
 }
 
+void TexelLight::add(std::span<const photons::Photon> photons) {
+    std::vector<std::uint32_t> found;
+    texels_.find(photons, found);
+    still_.add({photons, found});
+}
+
+void TexelLight::remove(std::span<const photons::Photon> photons) {
+    std::vector<std::uint32_t> found;
+    texels_.find(photons, found);
+    still_.remove({photons, found});
+}
+
 TexelLight::Changing& TexelLight::changing(double power) {
     if (!changing_)
         changing_ = std::make_unique<Changing>(Changing{PhotonSums(texels_, power, still_.keepsBatches()),

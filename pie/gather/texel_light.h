@@ -29,11 +29,9 @@ public:
     /// from photons. References must outlive it.
     TexelLight(const SurfaceTexels& texels, double power, const DirectLight* direct, bool keepBatches);
 
-    /// Photons of the lights that stand still, see PhotonSums.
-    void add(std::span<const photons::Photon> photons, unsigned parts = batches, unsigned firstPart = 0) {
-        still_.add(photons, parts, firstPart);
-    }
-    void remove(std::span<const photons::Photon> photons) { still_.remove(photons); }
+    /// A frame of photons of the lights that stand still. Where they fell is found here; still() takes them found.
+    void add(std::span<const photons::Photon> photons);
+    void remove(std::span<const photons::Photon> photons);
     [[nodiscard]] PhotonSums& still() { return still_; }
     [[nodiscard]] const PhotonSums& still() const { return still_; }
 

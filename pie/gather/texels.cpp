@@ -343,6 +343,13 @@ std::uint32_t SurfaceTexels::find(const photons::Photon& photon) const {
     return find(photon.triangle, back && scene_.material(photon.triangle).twoSided, photon.position);
 }
 
+void SurfaceTexels::find(std::span<const photons::Photon> photons, std::vector<std::uint32_t>& found) const {
+    found.resize(photons.size());
+    parallelChunks(photons.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) found[i] = find(photons[i]);
+    });
+}
+
 std::uint32_t SurfaceTexels::near(const Vec3& point, const Vec3& normal) const {
     const Index& index = *index_;
     const unsigned direction = facing(normal);

@@ -62,6 +62,8 @@ public:
     [[nodiscard]] std::uint32_t find(std::uint32_t triangle, bool back, const Vec3& point) const;
     /// The same by where a photon fell.
     [[nodiscard]] std::uint32_t find(const photons::Photon& photon) const;
+    /// The same for many, in parallel; `found` becomes as long.
+    void find(std::span<const photons::Photon> photons, std::vector<std::uint32_t>& found) const;
     /// The texel nearest to a point among those of its cell and the cells around that face along `normal`; none where
     /// there is no surface.
     [[nodiscard]] std::uint32_t near(const Vec3& point, const Vec3& normal) const;

@@ -28,7 +28,7 @@ public:
     LightSet(std::vector<Light> lights, std::shared_ptr<const scene::Scene> scene);
 
     [[nodiscard]] std::span<const Light> lights() const { return lights_; }
-    [[nodiscard]] Rgb totalPower() const { return totalPower_; }  ///< watts
+    [[nodiscard]] Rgb totalPower() const { return totalPower_; } ///< watts
     /// Watts of all lights together, largest channel of absolute values: the compiler's negative lights send as large
     /// photons as others.
     [[nodiscard]] double largestPower() const;

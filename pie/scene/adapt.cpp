@@ -10,14 +10,10 @@
 namespace pie::scene {
 namespace {
 
-constexpr float insetShare = 0.1F; // of the way to the middle of the triangle
-constexpr float insetUnits = 1.0F;
 /// Splits between two looks at the values: enough to fill a batch of rays, few enough that the worst comes first.
 constexpr std::size_t fewestSplits = 256;
 constexpr std::size_t widestEdge = 16; // triangles that meet in one edge and are split at once
 constexpr std::size_t splitShare = 8;  // of a mesh of so many times the vertices
-
-constexpr std::uint32_t following(std::uint32_t i) { return i == 2 ? 0 : i + 1; }
 
 /// Values by place, each asked for once.
 class Samples {

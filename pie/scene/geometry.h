@@ -9,8 +9,17 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace pie::scene {
+
+/// Of the distance to the far side of its triangle, how much a point where light is asked for may be moved inwards; and
+/// how far at all, in units.
+inline constexpr float insetShare = 0.1F;
+inline constexpr float insetUnits = 1.0F;
+
+/// The corner after corner `i` of a triangle.
+[[nodiscard]] constexpr std::uint32_t following(std::uint32_t i) { return i == 2 ? 0 : i + 1; }
 
 [[nodiscard]] inline bool finite(const Vec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);

@@ -15,10 +15,6 @@
 namespace pie::scene {
 namespace {
 
-/// Of the distance to the far side of its triangle, how much a receiver may move; and how far at all, in units.
-constexpr float insetShare = 0.1F;
-constexpr float insetUnits = 1.0F;
-
 struct Treatment {
     bool lit = false, twoSided = false;
 };

@@ -8,8 +8,6 @@
 namespace pie::scene {
 namespace {
 
-constexpr std::uint32_t following(std::uint32_t i) { return i == 2 ? 0 : i + 1; }
-
 /// Where a split has made more attribute vertices than this, they are searched by hash instead of one by one.
 constexpr std::size_t shortSearch = 16;
 

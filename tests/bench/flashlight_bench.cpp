@@ -63,7 +63,9 @@ struct Walk {
 
 double quantile(std::vector<double> values, double share) {
     std::sort(values.begin(), values.end());
-    return values.empty() ? 0 : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+    return values.empty()
+               ? 0
+               : values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 /// Standard deviation of every vertex over frames, root mean square over vertices, per cent of their mean light.

@@ -170,7 +170,7 @@ template <class Work> Scaling scaling(std::size_t rounds, const Work& work) {
 void compute() {
     pie::parallelChunks(16, 1, [](std::size_t begin, std::size_t /*end*/) {
         static std::atomic<double> sink;
-        double x = static_cast<double>(begin);
+        auto x = static_cast<double>(begin);
         for (int i = 0; i < 1'000'000; ++i) x = x * 0.5 + 1.0;
         sink = x;
     });

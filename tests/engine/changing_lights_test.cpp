@@ -94,7 +94,7 @@ double rms(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     double sum = 0;
     double whole = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        const double d = static_cast<double>(meanChannel(a[i]) - meanChannel(b[i]));
+        const auto d = static_cast<double>(meanChannel(a[i]) - meanChannel(b[i]));
         sum += d * d;
         whole += static_cast<double>(meanChannel(b[i]) * meanChannel(b[i]));
     }
