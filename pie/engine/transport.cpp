@@ -71,12 +71,14 @@ bool Transport::advance() {
     const bool asked = s.askedInRound;
     if (changed) {
         s.askedInRound = false;
+        s.behind = true;
         ++s.lightRevision;
     }
-    const bool deferred = std::exchange(s.deferred, false);
-    if (asked && (changed || deferred)) s.answer(plan.receivers);
-    statistics.still = !changed && !deferred;
-    return changed || deferred;
+    // While light changes, who does not ask gets no answers; when it stands still, what was asked for last is brought
+    // up to date.
+    const bool answered = (asked || !changed) && s.answer(plan.receivers);
+    statistics.still = !changed && !answered;
+    return changed || answered;
 }
 
 void Transport::finish(std::span<const std::uint32_t> which) {
@@ -87,6 +89,7 @@ void Transport::finish(std::span<const std::uint32_t> which) {
     const auto start = Clock::now();
     s.statistics.gatherRays += s.gathering->refine(which, std::numeric_limits<std::uint64_t>::max());
     s.statistics.refineMs += millisecondsSince(start);
+    s.behind = true;
     ++s.lightRevision;
 }
 
@@ -110,7 +113,7 @@ bool Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
     }
     s.statistics.estimatesReused += which.size() - s.missing.size() - deferred;
     s.statistics.estimatesDeferred += deferred;
-    s.deferred = s.deferred || deferred > 0;
+    s.behind = s.behind || deferred > 0;
     if (!s.missing.empty()) s.estimate(s.missing, revision);
     for (std::size_t i = 0; i < which.size(); ++i) out[i] = s.cache.irradiance[which[i]];
     return deferred == 0;

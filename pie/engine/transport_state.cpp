@@ -350,19 +350,21 @@ void Transport::State::estimate(std::span<const std::uint32_t> which, std::uint6
 }
 
 /// Answers what is in view before the draw asks for it again, in one go on all cores; where not all of it fits, the
-/// oldest answers first.
-void Transport::State::answer(std::uint64_t most) {
+/// oldest answers first. Returns whether anything was answered.
+bool Transport::State::answer(std::uint64_t most) {
     const std::uint64_t revision = lightRevision;
-    if (!settings.useEstimateCache || revision == 0) return;
+    if (!behind || !settings.useEstimateCache || revision == 0) return false;
     missing.clear();
     const auto first = std::lower_bound(inView.begin(), inView.end(), nextInView) - inView.begin();
     for (std::size_t i = 0; i < inView.size() && missing.size() < most; ++i) {
         const std::uint32_t r = inView[(static_cast<std::size_t>(first) + i) % inView.size()];
         if (cache.revision[r] != revision) missing.push_back(r);
     }
-    if (missing.empty()) return;
+    behind = missing.size() == most;
+    if (missing.empty()) return false;
     nextInView = missing.back() + 1;
     estimate(missing, revision);
+    return true;
 }
 
 void Transport::State::explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out) {

@@ -57,7 +57,7 @@ struct Transport::State {
     bool askedInRound = false;
     FrameBudget budget;
     Convergence convergence;
-    bool deferred = false;                       ///< some answer since the last frame was an old one
+    bool behind = false;                         ///< answers to what is in view may be older than the light
     std::size_t framesTraced = 0;                ///< into the map
     std::uint64_t partsTraced = 0, partsToTrace; ///< of frames, where light is gathered
     std::vector<photons::Photon> spent;          ///< memory for the next frame of a gather
@@ -82,7 +82,7 @@ struct Transport::State {
     bool refine(std::uint64_t rays);
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);
     void judge(bool refined);
-    void answer(std::uint64_t most);
+    bool answer(std::uint64_t most);
 };
 
 } // namespace pie::engine

@@ -139,10 +139,10 @@ struct Room {
         builder.room(Vec3(0.0F), Vec3(100.0F));
         scene = builder.make();
         std::vector<scene::Receiver> points;
-        for (int x = 0; x < 16; ++x)
-            for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 32; ++x)
+            for (int y = 0; y < 48; ++y)
                 points.push_back(
-                    receiverAt(Vec3(3.0F + 6.0F * static_cast<float>(x), 3.0F + 6.0F * static_cast<float>(y), 0.0F),
+                    receiverAt(Vec3(2.0F + 3.0F * static_cast<float>(x), 2.0F + 2.0F * static_cast<float>(y), 0.0F),
                                Vec3(0, 0, 1)));
         receivers = gather::test::receiversAt(points);
         which.resize(points.size());
@@ -178,9 +178,34 @@ TEST(Transport, ABudgetChangesWhenThingsAreDoneNotWhatStaysInTheEnd) {
         const std::vector<Rgb> bounded = room.settle(settings, statistics);
         EXPECT_TRUE(statistics.still);
         EXPECT_GT(statistics.frameMs95, 0.0);
+        EXPECT_GT(statistics.estimatesDeferred, 0U) << "so tight that answers had to wait";
         if (kind != EstimatorKind::Gather) continue; // there a frame is as large as its time allows
         EXPECT_EQ(std::memcmp(free.data(), bounded.data(), free.size() * sizeof(Rgb)), 0);
     }
+}
+
+// Whoever takes a picture draws once, runs updates until the light stands still, and draws again.
+TEST(Transport, WhenItSaysStillTheAnswersAreThoseOfTheLightThatIsThere) {
+    const Room room;
+    std::vector<std::vector<Rgb>> results;
+    for (const float budget : {0.0F, 0.3F}) {
+        Settings settings;
+        settings.photonsFromLight = 3000;
+        settings.stillFrames = 10;
+        settings.budgetMs = budget;
+        const lights::PointLight lamp{Vec3(40, 50, 60), Rgb(4e7F), {}};
+        Transport transport(makeSurroundings(room.scene, room.none, settings), {lamp}, room.none, room.receivers,
+                            settings);
+        std::vector<Rgb> light(room.which.size());
+        transport.advance();
+        transport.irradiance(room.which, light);
+        int frames = 0;
+        while (transport.advance()) ASSERT_LT(++frames, 20'000);
+        EXPECT_TRUE(transport.irradiance(room.which, light)) << "nothing older is left";
+        EXPECT_FALSE(transport.advance());
+        results.push_back(light);
+    }
+    EXPECT_EQ(std::memcmp(results[0].data(), results[1].data(), results[0].size() * sizeof(Rgb)), 0);
 }
 
 TEST(Transport, ATargetIsReachedAndThenNothingIsDone) {
