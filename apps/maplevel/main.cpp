@@ -1,6 +1,7 @@
 // maplevel: compiles the .map text of a level editor into a .bsp of version 46, without light.
 
 #include "pie/brushes/compile.h"
+#include "pie/core/whole_file.h"
 #include "pie/level/names.h"
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -46,19 +46,6 @@ int fail(const std::string& message) {
     return failed;
 }
 
-/// Writes beside the target and renames: what is there is whole, or as it was before.
-bool writeWhole(const fs::path& target, const char* bytes, std::size_t size) {
-    const fs::path part = target.string() + ".part";
-    std::ofstream file(part, std::ios::binary);
-    file.write(bytes, static_cast<std::streamsize>(size));
-    file.close();
-    std::error_code error;
-    if (file) fs::rename(part, target, error);
-    if (file && !error) return true;
-    fs::remove(part, error);
-    return false;
-}
-
 int compile(const Arguments& arguments) {
     using namespace pie;
     const std::vector<fs::path> textures(arguments.textures.begin(), arguments.textures.end());
@@ -80,7 +67,7 @@ int compile(const Arguments& arguments) {
     const fs::path target =
         arguments.bsp.empty() ? fs::path(arguments.map).replace_extension(".bsp") : fs::path(arguments.bsp);
     const std::vector<std::byte> file = level::writeBsp(compiled->bsp);
-    if (!writeWhole(target, reinterpret_cast<const char*>(file.data()), file.size()))
+    if (writeWhole(target, {reinterpret_cast<const char*>(file.data()), file.size()}))
         return fail(target.string() + ": cannot be written (is the folder there, and is it yours?)");
     const fs::path way = fs::path(target).replace_extension(".lin");
     std::error_code ignored;
@@ -88,7 +75,7 @@ int compile(const Arguments& arguments) {
     if (!compiled->leakPath.empty()) {
         std::string points;
         for (const glm::dvec3& p : compiled->leakPath) points += fmt::format("{:.3f} {:.3f} {:.3f}\n", p.x, p.y, p.z);
-        if (!writeWhole(way, points.data(), points.size())) return fail(way.string() + ": cannot be written");
+        if (writeWhole(way, points)) return fail(way.string() + ": cannot be written");
     }
     if (arguments.quiet) return 0;
     const level::Bsp& bsp = compiled->bsp;

@@ -68,8 +68,6 @@ private:
     std::vector<glm::vec4> colours_;
 };
 
-/// Of all threads of the process, milliseconds.
-[[nodiscard]] double processorMilliseconds();
 /// Of numbers; not empty.
 [[nodiscard]] double median(std::vector<double> values);
 

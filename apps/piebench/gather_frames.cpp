@@ -5,7 +5,6 @@
 #include "pie/engine/transport.h"
 
 #include <algorithm>
-#include <ctime>
 
 namespace piebench {
 namespace {
@@ -32,12 +31,12 @@ public:
     Stages next() override {
         const Statistics before = transport_->statistics();
         const auto start = Clock::now();
-        const double processor = processorMilliseconds();
+        const double processor = pie::processorMilliseconds();
         transport_->advance();
         transport_->irradiance(subject_.which, answers_);
         Stages stages;
         stages.upload = colours_.fill(answers_);
-        stages.processor = processorMilliseconds() - processor;
+        stages.processor = pie::processorMilliseconds() - processor;
         stages.total = pie::millisecondsSince(start);
         const Statistics after = transport_->statistics();
         stages.trace = after.traceMs - before.traceMs;
@@ -114,12 +113,6 @@ double Colours::fill(std::span<const pie::Rgb> answers) {
         colours_[i] = glm::vec4(light.x, light.y, light.z, colours_[i].w);
     }
     return pie::millisecondsSince(start);
-}
-
-double processorMilliseconds() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 double median(std::vector<double> values) {

@@ -1,6 +1,7 @@
 // Frames that keep photons: the engine's photon map with its estimators, and nanoflann in their place.
 
 #include "apps/piebench/frames.h"
+#include "apps/piebench/nanoflann_photons.h"
 #include "pie/core/clock.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/options.h"
@@ -9,7 +10,6 @@
 #include "pie/maps/realtime.h"
 
 #include <glm/geometric.hpp>
-#include <nanoflann.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -54,18 +54,6 @@ private:
     pie::gather::NearestPhotons estimator_;
 };
 
-struct Cloud {
-    std::vector<Photon> photons;
-    // NOLINTBEGIN(readability-identifier-naming): the names nanoflann asks for
-    [[nodiscard]] std::size_t kdtree_get_point_count() const { return photons.size(); }
-    [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-        return photons[i].position[static_cast<int>(axis)];
-    }
-    template <class B> bool kdtree_get_bbox(B& /*box*/) const { return false; }
-    // NOLINTEND(readability-identifier-naming)
-};
-using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
-
 /// nanoflann's own set of the k nearest, behind the paper's filters: the slice (eq 3.12) and the incoming direction.
 class Filtered {
 public:
@@ -74,7 +62,8 @@ public:
     using IndexType = std::uint32_t;
     using CountType = std::size_t;
 
-    Filtered(const Cloud& cloud, const pie::gather::NearestOptions& options, std::uint32_t* numbers, float* distances)
+    Filtered(const PhotonCloud& cloud, const pie::gather::NearestOptions& options, std::uint32_t* numbers,
+             float* distances)
         : cloud_(cloud), options_(options), numbers_(numbers), distances_(distances), nearest_(options.maxCount) {}
     void look(const pie::scene::Receiver& at, float radius) {
         at_ = &at;
@@ -99,7 +88,7 @@ public:
 private:
     [[nodiscard]] bool sliced() const { return options_.volume != pie::gather::SearchVolume::Sphere; }
 
-    const Cloud& cloud_;
+    const PhotonCloud& cloud_;
     const pie::gather::NearestOptions& options_;
     std::uint32_t* numbers_;
     float* distances_;
@@ -120,7 +109,7 @@ public:
         frames_[arrivals_++ % frames_.size()] = std::move(photons);
         cloud_.photons.clear();
         for (const auto& frame : frames_) cloud_.photons.insert(cloud_.photons.end(), frame.begin(), frame.end());
-        index_ = std::make_unique<Index>(3, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+        index_ = std::make_unique<NanoflannIndex>(3, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(10));
         index_->buildIndex();
     }
     void estimate(std::span<const std::uint32_t> which, std::span<Rgb> irradiance) const override {
@@ -155,10 +144,10 @@ public:
 private:
     const Subject& subject_;
     pie::gather::NearestOptions options_;
-    Cloud cloud_;
+    PhotonCloud cloud_;
     std::vector<std::vector<Photon>> frames_;
     std::size_t arrivals_ = 0;
-    std::unique_ptr<Index> index_;
+    std::unique_ptr<NanoflannIndex> index_;
 };
 
 class MapFrames final : public Frames {
@@ -194,7 +183,7 @@ public:
     Stages next() override {
         Stages stages;
         const auto start = Clock::now();
-        const double processor = processorMilliseconds();
+        const double processor = pie::processorMilliseconds();
         std::vector<Photon> traced;
         tracer_->trace(frame_++ * schedule_.emitted, schedule_.emitted, traced);
         stages.trace = pie::millisecondsSince(start);
@@ -210,7 +199,7 @@ public:
         }
         stages.estimate = pie::millisecondsSince(searched);
         stages.upload = colours_.fill(answers_);
-        stages.processor = processorMilliseconds() - processor;
+        stages.processor = pie::processorMilliseconds() - processor;
         stages.total = pie::millisecondsSince(start);
         return stages;
     }

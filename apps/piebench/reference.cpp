@@ -2,13 +2,12 @@
 
 #include "apps/piebench/frames.h"
 #include "pie/core/clock.h"
+#include "pie/core/whole_file.h"
 #include "pie/intersect/intersector.h"
 #include "pie/reference/path_tracer.h"
 #include "pie/sampling/hash.h"
 
 #include <fmt/format.h>
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -152,19 +151,12 @@ bool read(Reference& reference, const std::string& head) {
 }
 
 std::optional<pie::Error> write(const Reference& reference, const std::string& head) {
-    std::error_code error;
-    fs::create_directories(reference.file.parent_path(), error);
-    const fs::path part = reference.file.string() + fmt::format(".{}.part", getpid());
-    std::ofstream file(part);
-    file << head << '\n' << fmt::format("{:.3f} {}\n", reference.seconds, reference.reached);
-    for (std::size_t i = 0; i < reference.receivers.size(); ++i)
-        file << fmt::format("{:.17g} {:.9g}\n", reference.irradiance[i], reference.standardError[i]);
-    file << "end\n";
-    file.close();
-    if (file) fs::rename(part, reference.file, error);
-    if (file && !error) return {};
     std::error_code ignored;
-    fs::remove(part, ignored);
+    fs::create_directories(reference.file.parent_path(), ignored);
+    std::string text = fmt::format("{}\n{:.3f} {}\n", head, reference.seconds, reference.reached);
+    for (std::size_t i = 0; i < reference.receivers.size(); ++i)
+        text += fmt::format("{:.17g} {:.9g}\n", reference.irradiance[i], reference.standardError[i]);
+    if (!pie::writeWhole(reference.file, text + "end\n")) return {};
     return pie::Error{reference.file.string(), "", "cannot be written", "--cache names another folder"};
 }
 

@@ -109,9 +109,9 @@ double Bench::primaryRayMs(const LoadedLevel& level) const {
     while (times.size() < 3 || pie::millisecondsSince(start) < 1e3 * seconds_) {
         photons.clear();
         const auto began = pie::Clock::now();
-        const double processor = processorMilliseconds();
+        const double processor = pie::processorMilliseconds();
         tracer.trace(0, count, photons);
-        times.push_back(pie::threads() == 1 ? processorMilliseconds() - processor : pie::millisecondsSince(began));
+        times.push_back(pie::threads() == 1 ? pie::processorMilliseconds() - processor : pie::millisecondsSince(began));
     }
     return median(std::move(times));
 }

@@ -19,15 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t mostEmitted = 10'000'000; // the range of photons_from_light
 
-pie::scene::RefineOptions refineOptions(const pie::engine::Settings& settings) {
-    pie::scene::RefineOptions options;
-    options.maxSplits = static_cast<std::size_t>(settings.meshRefinement);
-    options.maxEdge = settings.maxEdge;
-    options.tolerance = settings.tJunctionTolerance;
-    options.maxTriangles = static_cast<std::size_t>(settings.maxTriangles);
-    return options;
-}
-
 } // namespace
 
 std::string bundledLevel(const std::string& name) {
@@ -61,7 +52,7 @@ pie::Result<LoadedLevel> load(const std::string& name, const pie::engine::Settin
 pie::Result<Subject> refined(const LoadedLevel& level, std::size_t triangles, const pie::engine::Settings& settings,
                              Questions questions) {
     pie::scene::Mesh mesh = level.mesh;
-    pie::scene::RefineOptions options = refineOptions(settings);
+    pie::scene::RefineOptions options = pie::engine::refineOptions(settings);
     if (triangles != 0) {
         if (triangles < mesh.triangles.size())
             return pie::Error{level.name, "",

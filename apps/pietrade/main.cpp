@@ -4,7 +4,7 @@
 #include "apps/pietrade/report.h"
 #include "apps/pietrade/session.h"
 #include "apps/pietrade/stop.h"
-#include "apps/pietrade/whole_file.h"
+#include "pie/core/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,7 @@
 namespace {
 
 void write(const std::filesystem::path& file, const std::string& content) {
-    if (const auto wrong = pietrade::writeWhole(file, content))
-        throw pietrade::Stop{wrong->message(), pietrade::Failed};
+    if (const auto wrong = pie::writeWhole(file, content)) throw pietrade::Stop{wrong->message(), pietrade::Failed};
 }
 
 int trade(const pietrade::Arguments& arguments) {

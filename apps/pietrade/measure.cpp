@@ -1,6 +1,5 @@
 #include "apps/pietrade/measure.h"
 
-#include "apps/pietrade/processor_time.h"
 #include "pie/core/clock.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/engine.h"
@@ -72,11 +71,11 @@ private:
 };
 
 bool Run::make() {
-    const double cpu = processorMs();
+    const double cpu = pie::processorMilliseconds();
     const auto start = pie::Clock::now();
     engine_ = std::make_unique<Engine>(s_.level, settings_, pie::engine::Refinement::Later);
     engine_->complete();
-    readyMs_ = s_.processorTime ? processorMs() - cpu : pie::millisecondsSince(start);
+    readyMs_ = s_.processorTime ? pie::processorMilliseconds() - cpu : pie::millisecondsSince(start);
     elapsed_ = readyMs_;
     return !stop_();
 }
@@ -131,16 +130,16 @@ std::vector<double> Run::atVertices() { return light(s_.sample.vertices); }
 /// Returns whether the light changed.
 bool Run::frame(bool everything) {
     const Statistics before = engine_->statistics();
-    const double cpu = processorMs();
+    const double cpu = pie::processorMilliseconds();
     const auto start = pie::Clock::now();
     const bool changed = engine_->advance();
     const double advanceMs = pie::millisecondsSince(start);
-    const double advanceCpu = processorMs() - cpu;
+    const double advanceCpu = pie::processorMilliseconds() - cpu;
     light_.resize(view_.receivers.size());
     if (everything) engine_->irradiance(view_.receivers, light_);
     Frame f;
     f.wall = pie::millisecondsSince(start);
-    f.cpu = processorMs() - cpu;
+    f.cpu = pie::processorMilliseconds() - cpu;
     const Statistics after = engine_->statistics();
     f.traced = after.framesTraced > before.framesTraced;
     f.traceMs = after.traceMs - before.traceMs;
@@ -191,10 +190,10 @@ bool Run::refineAll() {
     const std::span<const std::uint32_t> all(view_.receivers);
     for (std::size_t first = 0; first < all.size(); first += some) {
         if (stop_()) return false;
-        const double cpu = processorMs();
+        const double cpu = pie::processorMilliseconds();
         const auto start = pie::Clock::now();
         engine_->finish(all.subspan(first, std::min(some, all.size() - first)));
-        elapsed_ += s_.processorTime ? processorMs() - cpu : pie::millisecondsSince(start);
+        elapsed_ += s_.processorTime ? pie::processorMilliseconds() - cpu : pie::millisecondsSince(start);
     }
     return true;
 }
@@ -210,10 +209,10 @@ bool Run::settle() {
     }
     if (errors_.empty() || engine_->statistics().framesTraced > 0) {
         light_.resize(view_.receivers.size());
-        const double cpu = processorMs();
+        const double cpu = pie::processorMilliseconds();
         const auto start = pie::Clock::now();
         engine_->irradiance(view_.receivers, light_);
-        elapsed_ += s_.processorTime ? processorMs() - cpu : pie::millisecondsSince(start);
+        elapsed_ += s_.processorTime ? pie::processorMilliseconds() - cpu : pie::millisecondsSince(start);
         errors_.emplace_back(elapsed_, errorOf(atPoints(), pointTruth_));
     }
     return true;

@@ -3,8 +3,8 @@
 #include "apps/pietrade/front.h"
 #include "apps/pietrade/stop.h"
 #include "apps/pietrade/truth.h"
-#include "apps/pietrade/whole_file.h"
 #include "pie/core/parallel.h"
+#include "pie/core/whole_file.h"
 #include "pie/engine/engine.h"
 
 #include <fmt/format.h>
@@ -132,7 +132,7 @@ void Session::findTruth() {
     const auto& file = a_.out / "reference.csv";
     traceTruth(subject_.scene, subject_.lights, subject_.level->tree, a_.settings, {a_.target, a_.mostPaths}, where_,
                truth_, [&] {
-                   if (const auto wrong = writeWhole(file, truthText(found_.identity, truth_)))
+                   if (const auto wrong = pie::writeWhole(file, truthText(found_.identity, truth_)))
                        throw Stop{wrong->message(), Failed};
                    progress_.reach(truth_.size(), "points of the reference");
                    return !interrupted() && !late();
@@ -199,7 +199,7 @@ const Measurement* Session::known(const std::string& settings) const {
 
 void Session::keep() {
     if (const auto wrong =
-            writeWhole(a_.out / "measurements.csv", measurementsText(found_.identity, found_.measurements)))
+            pie::writeWhole(a_.out / "measurements.csv", measurementsText(found_.identity, found_.measurements)))
         throw Stop{wrong->message(), Failed};
 }
 

@@ -1,6 +1,5 @@
 #include "apps/pietrade/subject.h"
 
-#include "apps/pietrade/processor_time.h"
 #include "pie/brushes/load.h"
 #include "pie/core/clock.h"
 #include "pie/engine/options.h"
@@ -44,7 +43,7 @@ private:
 
 pie::Result<Subject> readSubject(const std::string& level, const pie::engine::Settings& settings) {
     const auto start = pie::Clock::now();
-    const double cpu = processorMs();
+    const double cpu = pie::processorMilliseconds();
     const std::vector<fs::path> folders(settings.textures.begin(), settings.textures.end());
     auto location = pie::level::locate(level, settings.game, folders);
     if (!location) return location.error();
@@ -56,7 +55,7 @@ pie::Result<Subject> readSubject(const std::string& level, const pie::engine::Se
     Subject subject;
     subject.level = std::make_shared<const pie::level::Level>(std::move(*read));
     subject.loadMs = pie::millisecondsSince(start);
-    subject.loadProcessorMs = processorMs() - cpu;
+    subject.loadProcessorMs = pie::processorMilliseconds() - cpu;
     subject.scene = std::make_shared<const pie::scene::Scene>(
         pie::scene::makeScene(*subject.level, pie::engine::sceneOptions(settings)));
     auto imported = pie::lights::importLights(*subject.level, *subject.scene, pie::engine::importOptions(settings));

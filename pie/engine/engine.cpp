@@ -17,15 +17,6 @@ namespace {
 
 bool showsOurLight(const Settings& settings) { return settings.view == View::Lit || settings.view == View::Light; }
 
-scene::RefineOptions refineOptions(const Settings& settings) {
-    scene::RefineOptions options;
-    options.maxSplits = static_cast<std::size_t>(settings.meshRefinement);
-    options.maxEdge = settings.maxEdge;
-    options.tolerance = settings.tJunctionTolerance;
-    options.maxTriangles = static_cast<std::size_t>(settings.maxTriangles);
-    return options;
-}
-
 } // namespace
 
 struct Engine::State {

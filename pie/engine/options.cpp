@@ -16,6 +16,15 @@ scene::SceneOptions sceneOptions(const Settings& settings) {
     return options;
 }
 
+scene::RefineOptions refineOptions(const Settings& settings) {
+    scene::RefineOptions options;
+    options.maxSplits = static_cast<std::size_t>(settings.meshRefinement);
+    options.maxEdge = settings.maxEdge;
+    options.tolerance = settings.tJunctionTolerance;
+    options.maxTriangles = static_cast<std::size_t>(settings.maxTriangles);
+    return options;
+}
+
 lights::ImportOptions importOptions(const Settings& settings) {
     lights::ImportOptions options;
     options.entities = settings.lightEntities;

@@ -7,11 +7,14 @@
 #include "pie/lights/import.h"
 #include "pie/lights/light_set.h"
 #include "pie/photons/tracer.h"
+#include "pie/scene/mesh.h"
 #include "pie/scene/scene.h"
 
 namespace pie::engine {
 
 [[nodiscard]] scene::SceneOptions sceneOptions(const Settings& settings);
+/// By length, see RefineBy.
+[[nodiscard]] scene::RefineOptions refineOptions(const Settings& settings);
 [[nodiscard]] lights::ImportOptions importOptions(const Settings& settings);
 
 /// What follows from budget_ms and target_error: values that nobody set are chosen by them.

@@ -10,7 +10,7 @@
 #include "apps/pietrade/report.h"
 #include "apps/pietrade/svg.h"
 #include "apps/pietrade/view.h"
-#include "apps/pietrade/whole_file.h"
+#include "pie/core/whole_file.h"
 #include "pie/sampling/hash.h"
 #include "tests/support/files.h"
 
@@ -225,7 +225,7 @@ protected:
         return all;
     }
     [[nodiscard]] std::string problem(const std::string& text) const {
-        EXPECT_FALSE(pietrade::writeWhole(file_, text));
+        EXPECT_FALSE(pie::writeWhole(file_, text));
         const auto read = pietrade::readMeasurements(file_, identity_);
         EXPECT_FALSE(read);
         EXPECT_EQ(readText(file_), text); // as it was
@@ -237,7 +237,7 @@ TEST_F(TradeKept, MeasurementsComeBack) {
     const auto none = pietrade::readMeasurements(file_, identity_);
     ASSERT_TRUE(none);
     EXPECT_THAT(*none, IsEmpty());
-    EXPECT_FALSE(pietrade::writeWhole(file_, pietrade::measurementsText(identity_, some())));
+    EXPECT_FALSE(pie::writeWhole(file_, pietrade::measurementsText(identity_, some())));
     const auto read = pietrade::readMeasurements(file_, identity_);
     ASSERT_TRUE(read) << read.error().message();
     ASSERT_EQ(read->size(), 2U);
@@ -271,7 +271,7 @@ TEST_F(TradeKept, OneLineForWhatIsDamagedOrForeign) {
 TEST_F(TradeKept, TruthAsFarAsItWasTraced) {
     file_ = folder_.path() / "reference.csv";
     const std::vector<Truth> traced{{1.0 / 3, 0.01}, {0, 0}};
-    EXPECT_FALSE(pietrade::writeWhole(file_, pietrade::truthText(identity_, traced)));
+    EXPECT_FALSE(pie::writeWhole(file_, pietrade::truthText(identity_, traced)));
     const auto read = pietrade::readTruth(file_, identity_, 5);
     ASSERT_TRUE(read) << read.error().message();
     ASSERT_EQ(read->size(), 2U);
@@ -282,10 +282,10 @@ TEST_F(TradeKept, TruthAsFarAsItWasTraced) {
 }
 
 TEST_F(TradeKept, FilesAreWholeOrAsTheyWere) {
-    EXPECT_TRUE(pietrade::writeWhole(folder_.path() / "no" / "file", "x"));
-    EXPECT_TRUE(pietrade::writeWhole(folder_.path(), "x")); // a folder
-    EXPECT_FALSE(pietrade::writeWhole(file_, "one"));
-    EXPECT_FALSE(pietrade::writeWhole(file_, "two"));
+    EXPECT_TRUE(pie::writeWhole(folder_.path() / "no" / "file", "x"));
+    EXPECT_TRUE(pie::writeWhole(folder_.path(), "x")); // a folder
+    EXPECT_FALSE(pie::writeWhole(file_, "one"));
+    EXPECT_FALSE(pie::writeWhole(file_, "two"));
     EXPECT_EQ(readText(file_), "two");
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
         EXPECT_EQ(entry.path().filename(), "measurements.csv");
@@ -302,7 +302,7 @@ TEST(TradeProgress, BarAndDurations) {
 
 TEST(TradeView, MeetsWhatIsAheadAndNotWhatIsBehind) {
     const pietrade::Camera camera{{0, 0, 0}, 90, 0}; // along +y
-    const auto box = [](Vec3 at) {
+    const auto box = [](const Vec3& at) {
         Box b;
         b.extend(at - 1.0F);
         b.extend(at + 1.0F);

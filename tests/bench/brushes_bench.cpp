@@ -33,14 +33,14 @@ int main(int argc, char** argv) {
     double compile = parse;
     std::vector<level::StageTime> stages;
     for (int i = 0; i < runs; ++i) {
-        const double start = bench::processorMilliseconds();
+        const double start = processorMilliseconds();
         const Result<brushes::MapText> map = brushes::parseMap(text, argv[1]);
         if (!map) return 1;
-        const double parsed = bench::processorMilliseconds();
+        const double parsed = processorMilliseconds();
         const Result<brushes::CompiledMap> compiled = brushes::compileMap(*map, argv[1], location->files, shaders);
         if (!compiled) return 1;
         parse = std::min(parse, parsed - start);
-        compile = std::min(compile, bench::processorMilliseconds() - parsed);
+        compile = std::min(compile, processorMilliseconds() - parsed);
         if (stages.empty()) stages = compiled->times;
         for (std::size_t s = 0; s < stages.size(); ++s)
             stages[s].second = std::min(stages[s].second, compiled->times[s].second);

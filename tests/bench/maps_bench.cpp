@@ -5,13 +5,13 @@
 //
 //   maps_bench [photons] [queries] [rounds] [k]
 
+#include "apps/piebench/nanoflann_photons.h"
 #include "pie/core/parallel.h"
 #include "pie/maps/exact.h"
 #include "pie/maps/kd_tree.h"
 #include "tests/bench/timing.h"
 
 #include <fmt/format.h>
-#include <nanoflann.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -27,19 +27,6 @@ using pie::bench::milliseconds;
 using pie::photons::Photon;
 
 constexpr float radius = 192;
-
-struct Cloud {
-    std::vector<Photon> photons;
-    // NOLINTBEGIN(readability-identifier-naming): the names nanoflann asks for
-    [[nodiscard]] std::size_t kdtree_get_point_count() const { return photons.size(); }
-    [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-        return photons[i].position[static_cast<int>(axis)];
-    }
-    template <class B> bool kdtree_get_bbox(B& /*box*/) const { return false; }
-    // NOLINTEND(readability-identifier-naming)
-};
-using Nanoflann =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
 
 float unit(std::mt19937& random) { return static_cast<float>(random() >> 8U) * 0x1p-24F; }
 
@@ -80,7 +67,7 @@ struct Sides {
         return queue.full() ? queue.farthest().distanceSquared : 0.0F;
     }
     float ours(const Vec3& point) { return ask(tree, point); }
-    float theirs(const Nanoflann& index, const Vec3& point) {
+    float theirs(const piebench::NanoflannIndex& index, const Vec3& point) {
         nanoflann::KNNResultSet<float, std::uint32_t> result(k);
         result.init(numbers.data(), distances.data());
         // It has no search that is bounded by both. What it takes for the k-th distance so far bounds it.
@@ -99,7 +86,7 @@ int main(int argumentCount, char** arguments) {
     const std::size_t rounds = std::max<std::size_t>(1, argument(argumentCount, arguments, 3, 11));
     pie::setThreads(1);
     std::mt19937 random(1);
-    Cloud cloud;
+    piebench::PhotonCloud cloud;
     cloud.photons.resize(photonCount);
     for (Photon& photon : cloud.photons) photon.position = place(random);
     std::vector<Vec3> queries(queryCount);
@@ -107,7 +94,7 @@ int main(int argumentCount, char** arguments) {
 
     Sides sides(argument(argumentCount, arguments, 4, 50));
     sides.tree.build(cloud.photons);
-    Nanoflann index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+    piebench::NanoflannIndex index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
     index.buildIndex();
     std::size_t different = 0;
     for (const Vec3& query : queries)

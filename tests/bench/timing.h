@@ -1,19 +1,13 @@
 #pragma once
 // Processor time, so that what else runs on the machine counts less, and the middle of several measurements.
 
+#include "pie/core/clock.h"
+
 #include <algorithm>
 #include <cstddef>
-#include <ctime>
 #include <vector>
 
 namespace pie::bench {
-
-/// Of the whole process, all threads together.
-[[nodiscard]] inline double processorMilliseconds() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 /// Of `work` alone.
 template <class Work> [[nodiscard]] double milliseconds(const Work& work) {

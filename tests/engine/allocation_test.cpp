@@ -20,7 +20,7 @@ TEST(EngineAllocations, NoneInASteadyFrame) {
     scene::Receivers receivers;
     for (int i = 0; i < 1000; ++i)
         receivers.points.push_back(gather::test::receiverAt(
-            Vec3(4.0F * static_cast<float>(i % 64), 8.0F * static_cast<float>(i / 64), 0.0F), Vec3(0, 0, 1)));
+            Vec3(4.0F * static_cast<float>(i % 64), static_cast<float>(i - i % 64) / 8.0F, 0.0F), Vec3(0, 0, 1)));
     std::vector<std::uint32_t> which(receivers.points.size());
     std::iota(which.begin(), which.end(), 0U);
     lights::PointLight lamp;

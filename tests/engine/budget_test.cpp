@@ -3,14 +3,12 @@
 
 #include "pie/engine/convergence.h"
 #include "pie/engine/frame_budget.h"
-#include "pie/engine/transport.h"
-#include "tests/gather/scenes.h"
+#include "tests/engine/lit_room.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <random>
 #include <vector>
 
@@ -127,38 +125,37 @@ TEST(Convergence, StopsAtTheTargetOrWherePhotonsHelpNoMore) {
     }
 }
 
-struct Room {
-    std::shared_ptr<const scene::Scene> scene;
-    scene::Receivers receivers;
-    std::vector<std::uint32_t> which;
-    level::Tree none;
+const lights::Light lamp = lights::PointLight{Vec3(40, 50, 60), Rgb(4e7F), {}};
 
-    Room() {
+/// Many receivers on the floor of an empty room.
+struct Room : test::LitRoom {
+    Room() : LitRoom(makeScene(), makePoints()) {}
+
+    static std::shared_ptr<const scene::Scene> makeScene() {
         SceneBuilder builder;
         builder.grey(0.6F);
         builder.room(Vec3(0.0F), Vec3(100.0F));
-        scene = builder.make();
+        return builder.make();
+    }
+    static std::vector<scene::Receiver> makePoints() {
         std::vector<scene::Receiver> points;
         for (int x = 0; x < 32; ++x)
             for (int y = 0; y < 48; ++y)
                 points.push_back(
                     receiverAt(Vec3(2.0F + 3.0F * static_cast<float>(x), 2.0F + 2.0F * static_cast<float>(y), 0.0F),
                                Vec3(0, 0, 1)));
-        receivers = gather::test::receiversAt(points);
-        which.resize(points.size());
-        std::iota(which.begin(), which.end(), 0U);
+        return points;
     }
     /// Frames until the light stands still; drawn in batches, as drawables are.
     std::vector<Rgb> settle(const Settings& settings, Statistics& statistics) const {
-        lights::PointLight lamp{Vec3(40, 50, 60), Rgb(4e7F), {}};
-        Transport transport(makeSurroundings(scene, none, settings), {lamp}, none, receivers, settings);
+        Transport engine = transport({lamp}, settings);
         std::vector<Rgb> light(which.size());
         int frames = 0;
-        while (transport.advance() && ++frames < 20'000)
+        while (engine.advance() && ++frames < 20'000)
             for (std::size_t first = 0; first < which.size(); first += 64)
-                transport.irradiance(std::span(which).subspan(first, 64), std::span(light).subspan(first, 64));
+                engine.irradiance(std::span(which).subspan(first, 64), std::span(light).subspan(first, 64));
         EXPECT_LT(frames, 20'000) << "never still";
-        statistics = transport.statistics();
+        statistics = engine.statistics();
         return light;
     }
 };
@@ -193,9 +190,7 @@ TEST(Transport, WhenItSaysStillTheAnswersAreThoseOfTheLightThatIsThere) {
         settings.photonsFromLight = 3000;
         settings.stillFrames = 10;
         settings.budgetMs = budget;
-        const lights::PointLight lamp{Vec3(40, 50, 60), Rgb(4e7F), {}};
-        Transport transport(makeSurroundings(room.scene, room.none, settings), {lamp}, room.none, room.receivers,
-                            settings);
+        Transport transport = room.transport({lamp}, settings);
         std::vector<Rgb> light(room.which.size());
         transport.advance();
         transport.irradiance(room.which, light);

@@ -1,31 +1,27 @@
 // Lights that are set while the light of a scene is shown, through Transport.
 
 #include "pie/core/parallel.h"
-#include "pie/engine/transport.h"
-#include "tests/gather/scenes.h"
+#include "tests/engine/lit_room.h"
+#include "tests/lights/rooms.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 namespace pie::engine {
 namespace {
 
 using gather::test::receiverAt;
+using gather::test::relativeRms;
 using gather::test::SceneBuilder;
+using pie::test::lamp;
 
-lights::Light bulb(const Vec3& position, const Rgb& watts) {
-    lights::PointLight light{position, watts, {}};
-    light.falloff.minDistance = 0;
-    return light;
-}
-const lights::Light first = bulb(Vec3(30, 30, 70), Rgb(4e7F, 2e7F, 1e7F));
-const lights::Light second = bulb(Vec3(70, 60, 50), Rgb(1e7F, 3e7F, 2e7F));
-const lights::Light elsewhere = bulb(Vec3(20, 80, 30), Rgb(9e7F, 1e7F, 1e7F));
+const lights::Light first = lamp(Vec3(30, 30, 70), Rgb(4e7F, 2e7F, 1e7F));
+const lights::Light second = lamp(Vec3(70, 60, 50), Rgb(1e7F, 3e7F, 2e7F));
+const lights::Light elsewhere = lamp(Vec3(20, 80, 30), Rgb(9e7F, 1e7F, 1e7F));
 
 Settings roomSettings() {
     Settings settings;
@@ -42,20 +38,19 @@ void renewAll(Settings& settings) {
     settings.accumulationFrames = 20;
 }
 
-/// A grey room with a box in it, and receivers on floor and walls.
-struct Room {
-    std::shared_ptr<const scene::Scene> scene;
-    scene::Receivers receivers;
-    std::vector<std::uint32_t> which;
-    level::Tree none;
+/// A grey room with a box in it, and receivers on floor and wall.
+struct Room : test::LitRoom {
+    Room() : LitRoom(makeScene(), makePoints()) {}
 
-    Room() {
+    static std::shared_ptr<const scene::Scene> makeScene() {
         SceneBuilder builder;
         builder.grey(0.6F);
         builder.room(Vec3(0.0F), Vec3(100.0F));
         builder.grey(0.3F);
         builder.quad(Vec3(40, 40, 20), Vec3(30, 0, 0), Vec3(0, 30, 0));
-        scene = builder.make();
+        return builder.make();
+    }
+    static std::vector<scene::Receiver> makePoints() {
         std::vector<scene::Receiver> points;
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y) {
@@ -64,12 +59,7 @@ struct Room {
                 points.push_back(receiverAt(Vec3(a, b, 0.0F), Vec3(0, 0, 1)));
                 points.push_back(receiverAt(Vec3(0.0F, a, b), Vec3(1, 0, 0)));
             }
-        receivers = gather::test::receiversAt(points);
-        which.resize(points.size());
-        std::iota(which.begin(), which.end(), 0U);
-    }
-    [[nodiscard]] Transport transport(const std::vector<lights::Light>& lights, const Settings& settings) const {
-        return {makeSurroundings(scene, none, settings), lights, none, receivers, settings};
+        return points;
     }
     /// A frame as a viewer has it.
     bool frame(Transport& transport, std::vector<Rgb>& light) const {
@@ -90,17 +80,6 @@ struct Room {
     }
 };
 
-double rms(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
-    double sum = 0;
-    double whole = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const auto d = static_cast<double>(meanChannel(a[i]) - meanChannel(b[i]));
-        sum += d * d;
-        whole += static_cast<double>(meanChannel(b[i]) * meanChannel(b[i]));
-    }
-    return std::sqrt(sum / whole);
-}
-
 std::vector<EstimatorKind> estimators() { return {EstimatorKind::Gather, EstimatorKind::TrueArea}; }
 
 TEST(ChangingLights, SettleToWhatTheyWouldHaveBeenFromTheStart) {
@@ -117,7 +96,7 @@ TEST(ChangingLights, SettleToWhatTheyWouldHaveBeenFromTheStart) {
         changed.setLight(1, second);
         const std::vector<Rgb> settled = room.settle(changed);
         Transport fresh = room.transport({first, second}, settings);
-        const double error = rms(settled, room.settle(fresh));
+        const double error = relativeRms(settled, room.settle(fresh));
         EXPECT_LT(error, kind == EstimatorKind::Gather ? 0.01 : 0.1) << static_cast<int>(kind);
         EXPECT_EQ(changed.lightCount(), 2U);
         EXPECT_TRUE(changed.statistics().still);
@@ -135,12 +114,12 @@ TEST(ChangingLights, LightsOfTheLevelMoveAndGoOut) {
             Transport changed = room.transport({first, elsewhere}, settings);
             room.settle(changed);
             changed.setLight(1, second);
-            const double moved = rms(room.settle(changed), [&] {
+            const double moved = relativeRms(room.settle(changed), [&] {
                 Transport fresh = room.transport({first, second}, settings);
                 return room.settle(fresh);
             }());
             changed.setLight(1, std::nullopt);
-            const double out = rms(room.settle(changed), [&] {
+            const double out = relativeRms(room.settle(changed), [&] {
                 Transport fresh = room.transport({first}, settings);
                 return room.settle(fresh);
             }());
@@ -165,9 +144,9 @@ TEST(ChangingLights, AMoveIsThereAtOnceAndWholeWithinTheRenewalTime) {
     changed.setLight(1, second);
     std::vector<Rgb> light;
     room.frame(changed, light);
-    EXPECT_LT(rms(light, truth), 0.35) << "what is reflected is still that of before";
+    EXPECT_LT(relativeRms(light, truth), 0.35) << "what is reflected is still that of before";
     for (int i = 1; i < settings.accumulationFrames; ++i) room.frame(changed, light);
-    EXPECT_LT(rms(light, truth), 0.03);
+    EXPECT_LT(relativeRms(light, truth), 0.03);
 }
 
 TEST(ChangingLights, SameBitsOnAnyNumberOfThreads) {
@@ -178,7 +157,7 @@ TEST(ChangingLights, SameBitsOnAnyNumberOfThreads) {
         Transport changed = room.transport({first}, roomSettings());
         std::vector<Rgb> light;
         for (int i = 0; i < 9; ++i) {
-            changed.setLight(1, bulb(Vec3(20.0F + 5.0F * static_cast<float>(i), 50, 60), Rgb(2e7F)));
+            changed.setLight(1, lamp(Vec3(20.0F + 5.0F * static_cast<float>(i), 50, 60), Rgb(2e7F)));
             if (i == 5) changed.setLight(0, elsewhere);
             room.frame(changed, light);
         }
@@ -206,7 +185,7 @@ TEST(ChangingLights, DoNotFlicker) {
         EXPECT_EQ(std::memcmp(light.data(), before.data(), light.size() * sizeof(Rgb)), 0);
     }
     // A step of a hundredth of the room, to be seen against the step that the true light makes.
-    const lights::Light step = bulb(Vec3(71, 60, 50), Rgb(1e7F, 3e7F, 2e7F));
+    const lights::Light step = lamp(Vec3(71, 60, 50), Rgb(1e7F, 3e7F, 2e7F));
     for (int i = 0; i < 5; ++i) {
         changed.setLight(1, step);
         room.frame(changed, light);
@@ -217,7 +196,7 @@ TEST(ChangingLights, DoNotFlicker) {
     const std::vector<Rgb> b = room.settle(to);
     std::vector<Rgb> expected = before;
     for (std::size_t i = 0; i < expected.size(); ++i) expected[i] += b[i] - a[i];
-    EXPECT_LT(rms(light, expected), 0.01);
+    EXPECT_LT(relativeRms(light, expected), 0.01);
 }
 
 TEST(ChangingLights, CostNothingWhereThereAreNone) {
@@ -253,13 +232,13 @@ TEST(ChangingLights, ExtremesStayFinite) {
     Transport changed = room.transport({}, roomSettings());
     std::vector<Rgb> light;
     for (const float watts : {0.0F, 1e-30F, std::numeric_limits<float>::quiet_NaN(), 1e30F, 1e7F}) {
-        changed.setLight(3, bulb(Vec3(50, 50, 80), Rgb(watts)));
+        changed.setLight(3, lamp(Vec3(50, 50, 80), Rgb(watts)));
         for (int i = 0; i < 7; ++i) room.frame(changed, light);
         for (const Rgb& e : light) ASSERT_TRUE(std::isfinite(e.x) && e.x >= 0.0F) << watts;
     }
     changed.setLight(3, first);
     Transport fresh = room.transport({first}, roomSettings());
-    EXPECT_LT(rms(room.settle(changed), room.settle(fresh)), 0.01);
+    EXPECT_LT(relativeRms(room.settle(changed), room.settle(fresh)), 0.01);
 }
 
 } // namespace

@@ -46,7 +46,7 @@ TEST(Allocations, NoneInASteadyFrame) {
             gather.update();
             gather.estimate(which, light);
             const Rgb first = light.front();
-            const std::size_t before = pie::test::allocations();
+            [[maybe_unused]] const std::size_t before = pie::test::allocations();
             gather.add(photons);
             gather.update();
             gather.estimate(which, light);

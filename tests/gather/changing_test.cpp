@@ -12,13 +12,9 @@
 namespace pie::gather {
 namespace {
 
+using pie::test::lamp;
 using test::all;
-
-lights::Light bulb(const Vec3& position, const Rgb& watts) {
-    lights::PointLight light{position, watts, {}};
-    light.falloff.minDistance = 0;
-    return light;
-}
+using test::relativeRms;
 
 /// A white room with a wall in the middle.
 struct Room {
@@ -80,19 +76,8 @@ struct Gathering {
     }
 };
 
-double rms(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
-    double sum = 0;
-    double whole = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const auto d = static_cast<double>(meanChannel(a[i]) - meanChannel(b[i]));
-        sum += d * d;
-        whole += static_cast<double>(meanChannel(b[i]) * meanChannel(b[i]));
-    }
-    return std::sqrt(sum / whole);
-}
-
-const lights::Light left = bulb(Vec3(20, 40, 60), Rgb(4e8F, 2e8F, 1e8F));
-const lights::Light right = bulb(Vec3(80, 80, 50), Rgb(1e8F, 3e8F, 1e8F));
+const lights::Light left = lamp(Vec3(20, 40, 60), Rgb(4e8F, 2e8F, 1e8F));
+const lights::Light right = lamp(Vec3(80, 80, 50), Rgb(1e8F, 3e8F, 1e8F));
 
 TEST(ChangingLights, GiveWhatTheyWouldGiveIfTheyStoodStill) {
     const Room room;
@@ -104,13 +89,13 @@ TEST(ChangingLights, GiveWhatTheyWouldGiveIfTheyStoodStill) {
     Gathering together(room, {left, right}, {}, false);
     together.gather.add(room.photons(together.lights, 0, 200, false), 200 * PhotonSums::batches);
     together.finish();
-    EXPECT_LT(rms(apart.light(), together.light()), 0.03)
+    EXPECT_LT(relativeRms(apart.light(), together.light()), 0.03)
         << "noise of 400,000 photons, and texels are lit by first hits instead of shadow rays";
 }
 
 TEST(ChangingLights, LeaveNothingBehindWhenTheyMove) {
     const Room room;
-    const lights::LightSet before({bulb(Vec3(70, 80, 90), Rgb(9e8F))}, room.scene);
+    const lights::LightSet before({lamp(Vec3(70, 80, 90), Rgb(9e8F))}, room.scene);
     Gathering moved(room, {left}, {right}, false);
     moved.gather.add(room.photons(moved.lights, 0, 4, false), 4 * PhotonSums::batches);
     moved.gather.setChanging(&moved.changingDirect, 9e8);
@@ -153,7 +138,7 @@ TEST(ChangingLights, ALightThatGoesOutTakesItsLightAlong) {
         fresh.gather.mute(1, lights::LightSet({right}, room.scene));
         fresh.gather.add(room.photons(rest, 0, 4, byPhotons), 4 * PhotonSums::batches);
         fresh.finish();
-        EXPECT_LT(rms(edited.light(), fresh.light()), 1e-5) << byPhotons;
+        EXPECT_LT(relativeRms(edited.light(), fresh.light()), 1e-5) << byPhotons;
         const auto rough = [&] {
             std::size_t count = 0;
             for (const std::uint32_t r : all(room.receivers)) count += edited.direct.rough(r) ? 1 : 0;
@@ -163,7 +148,7 @@ TEST(ChangingLights, ALightThatGoesOutTakesItsLightAlong) {
         EXPECT_LT(rough(), room.receivers.points.size()) << "and no more";
         edited.finish();
         EXPECT_EQ(rough(), 0U);
-        EXPECT_LT(rms(edited.light(), fresh.light()), 1e-5) << byPhotons;
+        EXPECT_LT(relativeRms(edited.light(), fresh.light()), 1e-5) << byPhotons;
     }
 }
 

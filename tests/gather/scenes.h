@@ -133,4 +133,16 @@ inline double shareWithin(std::span<const Estimate> estimates, std::span<const R
     return static_cast<double>(within) / static_cast<double>(truth.size());
 }
 
+/// Root mean square of the difference over that of `b`, mean over channels.
+inline double relativeRms(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+    double sum = 0;
+    double whole = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const auto d = static_cast<double>(meanChannel(a[i]) - meanChannel(b[i]));
+        sum += d * d;
+        whole += static_cast<double>(meanChannel(b[i]) * meanChannel(b[i]));
+    }
+    return std::sqrt(sum / whole);
+}
+
 } // namespace pie::gather::test

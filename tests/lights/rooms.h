@@ -1,6 +1,7 @@
 #pragma once
 // Small scenes by hand.
 
+#include "pie/lights/light.h"
 #include "pie/scene/scene.h"
 
 #include <array>
@@ -53,6 +54,13 @@ inline scene::Material sky() {
     scene::Material material;
     material.interaction = scene::Interaction::Sky;
     return material;
+}
+
+/// A lamp without the compiler's liberties.
+inline lights::Light lamp(const Vec3& position, const Rgb& watts) {
+    lights::PointLight light{position, watts, {}};
+    light.falloff.minDistance = 0;
+    return light;
 }
 
 } // namespace pie::test

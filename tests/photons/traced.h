@@ -40,12 +40,6 @@ inline std::shared_ptr<const scene::Scene> furnace(const Rgb& reflectance, float
     return room.build();
 }
 
-inline lights::Light lamp(const Vec3& position, const Rgb& watts) {
-    lights::PointLight light{position, watts, {}};
-    light.falloff.minDistance = 0;
-    return light;
-}
-
 inline photons::TracerOptions roulette(bool direct, unsigned depth) {
     photons::TracerOptions options;
     options.storeDirectLight = direct;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string_view>
 
-namespace pietrade {
+namespace pie {
 
 /// Written beside its target and renamed; what stood there before stays when something goes wrong.
-[[nodiscard]] std::optional<pie::Error> writeWhole(const std::filesystem::path& target, std::string_view content);
+[[nodiscard]] std::optional<Error> writeWhole(const std::filesystem::path& target, std::string_view content);
 
-} // namespace pietrade
+} // namespace pie

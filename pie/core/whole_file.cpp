@@ -1,6 +1,4 @@
-#include "apps/pietrade/whole_file.h"
-
-#include <fmt/format.h>
+#include "pie/core/whole_file.h"
 
 #include <unistd.h>
 
@@ -8,12 +6,12 @@
 #include <string>
 #include <system_error>
 
-namespace pietrade {
+namespace pie {
 
 namespace fs = std::filesystem;
 
-std::optional<pie::Error> writeWhole(const fs::path& target, std::string_view content) {
-    const fs::path part = target.string() + fmt::format(".{}.part", ::getpid());
+std::optional<Error> writeWhole(const fs::path& target, std::string_view content) {
+    const fs::path part = target.string() + "." + std::to_string(::getpid()) + ".part";
     std::error_code ignored;
     {
         std::ofstream file(part, std::ios::binary);
@@ -22,14 +20,14 @@ std::optional<pie::Error> writeWhole(const fs::path& target, std::string_view co
         if (!file) {
             file.close();
             fs::remove(part, ignored);
-            return pie::Error{target.string(), "", "cannot be written", "is the folder there, and is there room?"};
+            return Error{target.string(), "", "cannot be written", "is the folder there, and is there room?"};
         }
     }
     std::error_code problem;
     fs::rename(part, target, problem);
     if (!problem) return std::nullopt;
     fs::remove(part, ignored);
-    return pie::Error{target.string(), "", problem.message(), ""};
+    return Error{target.string(), "", problem.message(), ""};
 }
 
-} // namespace pietrade
+} // namespace pie
