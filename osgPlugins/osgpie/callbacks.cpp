@@ -41,8 +41,9 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
             if (auto* level = dynamic_cast<LevelNode*>(node)) level->complete();
             announce();
         }
+        if (views_) views_->update();
         if (flashlight_) flashlight_->follow();
-        const bool settled = !engine_->advance();
+        const bool settled = (views_ && !views_->showsOurLight()) || !engine_->advance();
         if (!started_ || settled != settled_) {
             node->setUserValue("pie.settled", settled);
             if (settled) announceStill();
@@ -58,21 +59,35 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
 IrradianceCallback::IrradianceCallback(std::shared_ptr<pie::engine::Engine> engine,
                                        std::vector<std::uint32_t> receivers,
                                        std::vector<std::uint32_t> receiverOfVertex,
-                                       const osg::ref_ptr<osg::Vec4Array>& colours, float scale)
+                                       const osg::ref_ptr<osg::Vec4Array>& colours, float scale,
+                                       std::shared_ptr<const ViewSwitch> views)
     : engine_(std::move(engine)), receivers_(std::move(receivers)), receiverOfVertex_(std::move(receiverOfVertex)),
-      colours_(colours), scale_(scale), irradiance_(receivers_.size()) {}
+      colours_(colours), scale_(scale), views_(std::move(views)), irradiance_(receivers_.size()) {}
 
 bool IrradianceCallback::refresh() const {
     const std::uint64_t revision = engine_->lightRevision();
-    if (revision == revision_) return false;
-    const bool current = engine_->irradiance(receivers_, irradiance_);
+    const bool samples = views_ && views_->showsSamples();
+    if (revision == revision_ && samples == samplesShown_) return false;
+    samplesShown_ = samples;
+    const bool current = fetch(samples);
+    const float scale = samples ? 1.0F : scale_;
     osg::Vec4Array& colours = *colours_;
     for (std::size_t i = 0; i < receiverOfVertex_.size(); ++i) {
-        const pie::Rgb light = irradiance_[receiverOfVertex_[i]] * scale_;
+        const pie::Rgb light = irradiance_[receiverOfVertex_[i]] * scale;
         colours[i].set(light.x, light.y, light.z, colours[i].a());
     }
     colours.dirty();
     if (current) revision_ = revision; // else some of it is older, and the next draw asks again
+    return true;
+}
+
+/// Light, or the colours of how many rays it rests on. Returns whether that is up to date.
+bool IrradianceCallback::fetch(bool samples) const {
+    if (!samples) return engine_->irradiance(receivers_, irradiance_);
+    std::vector<std::uint32_t> counts(receivers_.size());
+    engine_->samples(receivers_, counts);
+    const auto most = static_cast<float>(largestSampleCount(engine_->settings()));
+    for (std::size_t i = 0; i < counts.size(); ++i) irradiance_[i] = sampleColour(static_cast<float>(counts[i]), most);
     return true;
 }
 

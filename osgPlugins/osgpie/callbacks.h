@@ -2,6 +2,7 @@
 // How light gets into the draw: traced in the update stage, fetched in the draw stage for what survived culling.
 
 #include "osgPlugins/osgpie/flashlight.h"
+#include "osgPlugins/osgpie/view_switch.h"
 #include "pie/engine/engine.h"
 
 #include <osg/Array>
@@ -19,14 +20,16 @@ namespace osgpie {
 /// refined. That it came to stand still is also said at OSG's level INFO.
 class AdvanceCallback : public osg::NodeCallback {
 public:
-    /// `flashlight` may be null.
-    AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine, const osg::ref_ptr<Flashlight>& flashlight)
-        : engine_(std::move(engine)), flashlight_(flashlight) {}
+    /// `flashlight` and `views` may be null.
+    AdvanceCallback(std::shared_ptr<pie::engine::Engine> engine, const osg::ref_ptr<Flashlight>& flashlight,
+                    std::shared_ptr<ViewSwitch> views)
+        : engine_(std::move(engine)), flashlight_(flashlight), views_(std::move(views)) {}
     void operator()(osg::Node* node, osg::NodeVisitor* visitor) override;
 
 private:
     std::shared_ptr<pie::engine::Engine> engine_;
     osg::ref_ptr<Flashlight> flashlight_;
+    std::shared_ptr<ViewSwitch> views_;
     void announce();
     void announceStill();
     unsigned lastFrame_ = 0;
@@ -39,10 +42,10 @@ private:
 class IrradianceCallback : public osg::Drawable::DrawCallback {
 public:
     /// `receivers`: those of the drawable, each once; `receiverOfVertex`: place in that list for each element of
-    /// `colours`. `scale` turns irradiance into colour values.
+    /// `colours`. `scale` turns irradiance into colour values. `views` may be null.
     IrradianceCallback(std::shared_ptr<pie::engine::Engine> engine, std::vector<std::uint32_t> receivers,
                        std::vector<std::uint32_t> receiverOfVertex, const osg::ref_ptr<osg::Vec4Array>& colours,
-                       float scale);
+                       float scale, std::shared_ptr<const ViewSwitch> views);
     void drawImplementation(osg::RenderInfo& renderInfo, const osg::Drawable* drawable) const override;
     /// Brings the colours up to date; whether they changed. Called by the draw; for writers of files also without one.
     bool refresh() const;
@@ -54,9 +57,12 @@ private:
     std::vector<std::uint32_t> receivers_, receiverOfVertex_;
     osg::ref_ptr<osg::Vec4Array> colours_;
     float scale_;
+    std::shared_ptr<const ViewSwitch> views_;
     mutable std::mutex mutex_;
     mutable std::vector<pie::Rgb> irradiance_;
     mutable std::uint64_t revision_ = 0;
+    mutable bool samplesShown_ = false;
+    [[nodiscard]] bool fetch(bool samples) const;
 };
 
 } // namespace osgpie

@@ -6,13 +6,6 @@
 #include "osgPlugins/osgpie/world.h"
 
 namespace osgpie {
-namespace {
-
-bool showsOurLight(const pie::engine::Settings& settings) {
-    return settings.view == pie::engine::View::Lit || settings.view == pie::engine::View::Light;
-}
-
-} // namespace
 
 LevelNode::LevelNode(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
 
@@ -22,6 +15,8 @@ pie::engine::Engine& LevelNode::engine() {
     if (refined_) refined_->wait();
     return *engine_;
 }
+
+bool LevelNode::isComplete() const { return !refined_ || refined_->isDone(); }
 
 void LevelNode::complete() {
     if (!refined_) return;
@@ -51,11 +46,17 @@ osg::ref_ptr<LevelNode> makeLevelNode(std::shared_ptr<pie::engine::Engine> engin
     }
     if (const osg::ref_ptr<osg::Node> sprites = makeSprites(level, *states, largestLight(settings)))
         root->addChild(sprites);
-    if (const osg::ref_ptr<osg::Node> sky = states->makeSky()) root->addChild(sky);
-    if (showsOurLight(settings)) {
+    const osg::ref_ptr<osg::Node> sky = states->makeSky();
+    if (sky) root->addChild(sky);
+    const std::shared_ptr<ViewSwitch> views = states->viewSwitch();
+    if (views) {
+        views->attach(*root, engine, engine->refined() ? world.root : osg::ref_ptr<osg::Node>(place), sky);
+        root->setViews(views);
+    }
+    if (settings.showsOurLight()) {
         osg::ref_ptr<Flashlight> flashlight;
         if (settings.flashlight) root->addCullCallback(flashlight = new Flashlight(engine));
-        root->addUpdateCallback(new AdvanceCallback(engine, flashlight));
+        root->addUpdateCallback(new AdvanceCallback(engine, flashlight, views));
     }
     if (!engine->refined())
         root->completeLater(std::make_unique<RefinedWorld>(std::move(engine), std::move(states), std::move(place)));

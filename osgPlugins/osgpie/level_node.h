@@ -8,6 +8,7 @@
 // our light. The first update puts the refined level in its place, before anything is drawn. Who wants it sooner calls
 // complete(). A node that is dropped before gives up the work.
 
+#include "osgPlugins/osgpie/view_switch.h"
 #include "pie/engine/engine.h"
 
 #include <osg/Group>
@@ -24,6 +25,12 @@ public:
     [[nodiscard]] const pie::level::Level& level() const { return engine_->level(); }
     /// Waits for refinement, without showing it.
     [[nodiscard]] pie::engine::Engine& engine();
+    /// Whether complete() would return at once.
+    [[nodiscard]] bool isComplete() const;
+    /// Changes views while the level is shown; null unless the settings have `switch_views` or a view that needs it.
+    [[nodiscard]] ViewSwitch* views() { return views_.get(); }
+    /// Called by makeLevelNode.
+    void setViews(std::shared_ptr<ViewSwitch> views) { views_ = std::move(views); }
     /// Waits for refinement and shows the level refined; done already, it returns at once. For the thread that may
     /// change the scene graph: the one that read the node until it is part of a scene, later the update.
     void complete();
@@ -36,6 +43,7 @@ protected:
 
 private:
     std::shared_ptr<pie::engine::Engine> engine_;
+    std::shared_ptr<ViewSwitch> views_;
     std::unique_ptr<RefinedWorld> refined_; ///< null: nothing to wait for
 };
 

@@ -1,5 +1,6 @@
 #include "osgPlugins/osgpie/material_program.h"
 
+#include "osgPlugins/osgpie/view_program.h"
 #include "pie/level/level.h"
 
 #include <fmt/format.h>
@@ -272,11 +273,14 @@ private:
                                                           : look_.light != LightSource::None && usesVertexLight(*s);
         });
         out_.lightmapCoordinates = std::any_of(stages_.begin(), stages_.end(), [&](const Stage* s) {
-            return s->tcGen == TcGen::Lightmap ||
-                   (s->source == Stage::Source::Lightmap && look_.light == LightSource::Lightmap);
+            return s->tcGen == TcGen::Lightmap || (s->source == Stage::Source::Lightmap && readsLightmap());
         });
         // The light alone is asked for: surfaces that only glow or tint show none.
         if (!look_.textures && !stages_.empty() && !stages_.front()->blend.opaque()) stages_.clear();
+    }
+
+    [[nodiscard]] bool readsLightmap() const {
+        return look_.light == LightSource::Lightmap || (look_.switchable && look_.lightmapped);
     }
 
     [[nodiscard]] int bin() const {
@@ -306,7 +310,7 @@ private:
             out_.units.push_back({Stage::Source::White, {}, 0, false});
         for (std::size_t i = 0; i < stages_.size(); ++i) {
             const Stage& s = *stages_[i];
-            if (s.source == Stage::Source::Lightmap && look_.light == LightSource::Lightmap && unitOf_[i] < 0) {
+            if (s.source == Stage::Source::Lightmap && readsLightmap() && unitOf_[i] < 0) {
                 add(i);
                 break;
             }
@@ -315,8 +319,7 @@ private:
             if (unitOf_[i] >= 0) continue;
             const Stage& s = *stages_[i];
             if (s.source == Stage::Source::Image) add(i);
-            if (s.source == Stage::Source::Lightmap && look_.light == LightSource::Lightmap)
-                unitOf_[i] = lightmapUnit();
+            if (s.source == Stage::Source::Lightmap && readsLightmap()) unitOf_[i] = lightmapUnit();
         }
     }
     [[nodiscard]] int lightmapUnit() const {
@@ -335,6 +338,7 @@ private:
         std::string& code = out_.vertexSource;
         code = header();
         code += "varying vec4 colour;\nvarying vec3 position;\nvarying vec3 normal;\nvarying float depth;\n";
+        if (look_.switchable) code += viewVaryings;
         for (std::size_t i = 0; i < stages_.size(); ++i) code += fmt::format("varying vec2 tc{};\n", i);
         code += "vec2 environment(vec3 p, vec3 n) {\n"
                 "    vec3 v = normalize(vec3(gl_ModelViewMatrixInverse[3]) - p);\n"
@@ -348,12 +352,15 @@ private:
         }
         code +=
             "    colour = gl_Color;\n    position = p.xyz;\n    normal = n;\n    depth = -(gl_ModelViewMatrix * p).z;\n"
-            "    gl_Position = gl_ModelViewProjectionMatrix * p;\n}\n";
+            "    gl_Position = gl_ModelViewProjectionMatrix * p;\n";
+        if (look_.switchable) code += viewVertexCode;
+        code += "}\n";
     }
 
     /// The light of a lit stage. Clamped with its hue kept, as the game clamps lightmap texels
     /// (R_ColorShiftLightingBytes).
     [[nodiscard]] std::string lightFunction() const {
+        if (look_.switchable) return viewLight(look_.overbright);
         switch (look_.light) {
         case LightSource::Irradiance:
             return fmt::format("vec3 light() {{\n    vec3 l = max(colour.rgb, vec3(0.0)) * {0};\n    float m = "
@@ -402,12 +409,28 @@ private:
         return "1.0";
     }
 
+    /// switchable: baked light of the lightmap stage `i`; white on surfaces without lightmap, as in the game.
+    [[nodiscard]] std::string bakedTexel(std::size_t i) const {
+        if (unitOf_[i] < 0 || !look_.lightmapped) return "vec3(1.0)";
+        return fmt::format("texture2D(unit{}, tc{}).rgb * {}", unitOf_[i], i, number(look_.overbright));
+    }
+    /// switchable: what the level's own light is on this surface, as the difference is taken of.
+    [[nodiscard]] std::string bakedLight() const {
+        for (std::size_t i = 0; i < stages_.size(); ++i) {
+            if (stages_[i]->source == Stage::Source::Lightmap) return bakedTexel(i);
+            if (usesVertexLight(*stages_[i])) return fmt::format("bakedColour * {}", number(look_.overbright));
+        }
+        return "ours()";
+    }
+
     /// `vec3 src; float srcA;` of stage i.
     [[nodiscard]] std::string sourceCode(std::size_t i) const {
         const Stage& stage = *stages_[i];
         std::string texel = "vec4(1.0)";
         if (stage.source == Stage::Source::Lightmap) {
-            if (look_.light == LightSource::Irradiance)
+            if (look_.switchable)
+                texel = fmt::format("vec4(lightOf({}), 1.0)", bakedTexel(i));
+            else if (look_.light == LightSource::Irradiance)
                 texel = "vec4(light(), 1.0)";
             else if (look_.light == LightSource::Lightmap && unitOf_[i] >= 0) // a sky has none
                 texel =
@@ -416,6 +439,7 @@ private:
             texel = fmt::format("texture2D(unit{}, tc{})", unitOf_[i], i);
             if (look_.linear) texel = fmt::format("decode({})", texel);
             if (!look_.textures) texel = fmt::format("vec4(vec3(1.0), {}.a)", texel);
+            if (look_.switchable) texel = fmt::format("plain({})", texel);
         }
         return fmt::format("        vec4 t = {};\n        vec3 src = t.rgb * {};\n        float srcA = t.a * {};\n",
                            texel, rgbExpression(stage), alphaExpression(stage));
@@ -447,9 +471,10 @@ private:
         if (look_.linear)
             code += "vec4 decode(vec4 c) { return vec4(pow(c.rgb, vec3(2.2)), c.a); }\n"
                     "vec3 encode(vec3 c) { return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2)); }\n";
-        if (look_.fog) code += fogFunction();
+        if (look_.fog) code += fogFunction(look_.switchable);
         code += "void main() {\n    vec3 a = vec3(1.0), b = vec3(0.0); // the frame becomes a * frame + b\n";
         if (!look_.textures && !out_.lit) code += "    b = vec3(1.0);\n    a = vec3(0.0);\n";
+        if (look_.switchable && !stages_.front()->blend.opaque()) code += "    if (!textured()) discard;\n";
         for (std::size_t i = 0; i < stages_.size(); ++i) code += stageCode(i);
         finish(code);
         code += "}\n";
@@ -458,8 +483,11 @@ private:
     [[nodiscard]] std::string stageCode(std::size_t i) const {
         const Stage& stage = *stages_[i];
         if (!look_.textures && out_.lit && !usesLight(stage) && i > 0) return {};
-        std::string code = "    {\n" + sourceCode(i);
+        const bool lightAloneSkips = look_.switchable && out_.lit && !usesLight(stage);
+        std::string code = lightAloneSkips && i > 0 ? "    if (textured()) {\n" : "    {\n";
+        code += sourceCode(i);
         if (!look_.textures && out_.lit && !usesLight(stage)) code += "        src = vec3(1.0);\n";
+        if (lightAloneSkips && i == 0) code += "        if (!textured()) src = vec3(1.0);\n";
         if (stage.alphaTest != AlphaTest::None) {
             if (i == 0)
                 code += fmt::format("        if (!({})) discard;\n", alphaTestCondition(stage.alphaTest));
@@ -505,6 +533,8 @@ private:
         if (!out_.blended) {
             if (look_.linear) code += "    b = encode(b);\n";
             if (look_.fog) code += "    b = mix(b, fogColour, fogAmount());\n";
+            if (look_.switchable)
+                code += fmt::format("    b = looked(b, {}, {});\n", bakedLight(), out_.lit ? "true" : "false");
             code += "    gl_FragColor = vec4(b, 1.0);\n";
             return;
         }
@@ -562,11 +592,13 @@ vec3 box(vec3 d) {
 
     /// Fog as the game computes it: the square root of the share of the opaque depth that the ray spends below the
     /// fog's surface.
-    static std::string fogFunction() {
-        return "uniform vec3 fogColour;\nuniform vec4 fogPlane; // distance below the fog's surface = "
-               "dot(fogPlane.xyz, p) + fogPlane.w\n"
-               "uniform float fogOpaque;\n"
-               "float fogAmount() {\n    float t = dot(fogPlane.xyz, position) + fogPlane.w;\n"
+    static std::string fogFunction(bool switchable) {
+        return std::string("uniform vec3 fogColour;\nuniform vec4 fogPlane; // distance below the fog's surface = "
+                           "dot(fogPlane.xyz, p) + fogPlane.w\n"
+                           "uniform float fogOpaque;\n"
+                           "float fogAmount() {\n") +
+               (switchable ? "    if (!textured()) return 0.0;\n" : "") +
+               "    float t = dot(fogPlane.xyz, position) + fogPlane.w;\n"
                "    float eye = dot(fogPlane.xyz, vec3(gl_ModelViewMatrixInverse[3])) + fogPlane.w;\n"
                "    float share = eye < 0.0 ? (t < 1.0 ? 0.0 : t / (t - eye)) : (t < 0.0 ? 0.0 : 1.0);\n"
                "    return sqrt(clamp(depth / fogOpaque * share, 0.0, 1.0));\n}\n";

@@ -27,7 +27,11 @@ struct Look {
     bool linear = false;     ///< multiply linearised texels, tone-map, encode (color_space = srgb)
     bool animate = true;     ///< false: time stands at zero
     bool fog = false;        ///< the surface stands in a fog volume: uniforms fogColour, fogPlane, fogOpaque
-    float cloudHeight = 0;   ///< makeSkyProgram only
+    /// Every view in one program (view_program.h); `light` is Irradiance then, and the baked light comes as
+    /// gl_SecondaryColor and, on surfaces that have one, from the lightmap.
+    bool switchable = false;
+    bool lightmapped = false; ///< switchable: the surface has a lightmap
+    float cloudHeight = 0;    ///< makeSkyProgram only
 };
 
 /// A texture unit of the program.

@@ -57,7 +57,7 @@ const pie::level::Shader* mainSky(const pie::level::Level& level, std::uint32_t&
 } // namespace
 
 osg::ref_ptr<osg::Node> StateSets::makeSky() {
-    if (!settings_.drawSky || settings_.view == pie::engine::View::Light ||
+    if (!settings_.drawSky || (settings_.view == pie::engine::View::Light && !settings_.viewsSwitch()) ||
         settings_.renderer == pie::engine::Renderer::Fixed)
         return nullptr;
     StateKey key;
@@ -65,6 +65,7 @@ osg::ref_ptr<osg::Node> StateSets::makeSky() {
     if (!shader) return nullptr;
     Look chosen = look(key);
     chosen.light = LightSource::None;
+    chosen.switchable = false;
     chosen.cloudHeight = shader->cloudHeight;
     const MaterialProgram material = makeSkyProgram(*shader, chosen);
     if (!material.visible) return nullptr;

@@ -133,6 +133,7 @@ osg::ref_ptr<osg::Node> makeSprites(const Level& level, StateSets& states, float
         geometry->setVertexArray(arrays.positions);
         geometry->setNormalArray(arrays.normals);
         geometry->setColorArray(arrays.colours);
+        if (entry.baked) geometry->setSecondaryColorArray(arrays.colours);
         geometry->setTexCoordArray(0, arrays.texture);
         geometry->setTexCoordArray(2, arrays.centres);
         geometry->setTexCoordArray(3, arrays.offsets);

@@ -117,7 +117,9 @@ float largestLight(const pie::engine::Settings& settings) {
 
 StateSets::StateSets(std::shared_ptr<const Level> level, const pie::engine::Settings& settings)
     : level_(std::move(level)), settings_(settings), white_(makePlain({255, 255, 255, 255})),
-      missing_(makePlain({128, 128, 128, 255})) {}
+      missing_(makePlain({128, 128, 128, 255})) {
+    if (settings_.viewsSwitch()) viewSwitch_ = std::make_shared<ViewSwitch>(settings_.view, settings_.exposure);
+}
 
 const StateSets::Entry& StateSets::get(const StateKey& key) {
     const auto [place, isNew] = entries_.try_emplace(key);
@@ -125,7 +127,7 @@ const StateSets::Entry& StateSets::get(const StateKey& key) {
         const Look chosen = look(key);
         const MaterialProgram material = makeMaterialProgram(level_->shaders[key.shader], chosen);
         place->second = {material.visible ? makeState(key, material) : nullptr, material.lit,
-                         material.lightmapCoordinates, chosen.light};
+                         material.lightmapCoordinates, chosen.light, chosen.switchable};
     }
     return place->second;
 }
@@ -133,17 +135,21 @@ const StateSets::Entry& StateSets::get(const StateKey& key) {
 Look StateSets::look(const StateKey& key) const {
     Look look;
     switch (settings_.view) {
-    case View::Lit:
-    case View::Light: look.light = LightSource::Irradiance; break;
     case View::Baked: look.light = key.lightmap >= 0 ? LightSource::Lightmap : LightSource::Vertex; break;
     case View::Fullbright: look.light = LightSource::None; break;
+    default: look.light = LightSource::Irradiance; break;
     }
-    look.textures = settings_.view != View::Light;
+    if (settings_.viewsSwitch()) {
+        look.light = LightSource::Irradiance;
+        look.switchable = true;
+        look.lightmapped = key.lightmap >= 0;
+    }
+    look.textures = settings_.view != View::Light || look.switchable;
     look.overbright = largestLight(settings_);
     look.addSigned = settings_.blending == pie::engine::Blending::AddSigned;
     look.linear = settings_.colorSpace == pie::engine::ColorSpace::Srgb;
     look.animate = settings_.animate;
-    look.fog = key.fog >= 0 && settings_.drawFog && settings_.view != View::Light;
+    look.fog = key.fog >= 0 && settings_.drawFog && look.textures;
     return look;
 }
 

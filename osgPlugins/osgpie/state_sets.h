@@ -2,6 +2,7 @@
 // OpenGL state of a level's surfaces: textures, lightmaps, programs and blending, each made once and shared.
 
 #include "osgPlugins/osgpie/material_program.h"
+#include "osgPlugins/osgpie/view_switch.h"
 #include "pie/engine/settings.h"
 #include "pie/level/level.h"
 
@@ -37,15 +38,19 @@ public:
         bool lit = false;
         bool lightmapCoordinates = false; ///< the drawable needs texture coordinates 1
         LightSource light = LightSource::None;
+        bool baked = false; ///< the drawable needs the level's own light as its secondary colour
     };
     /// The state of surfaces with this key; made at the first call.
     const Entry& get(const StateKey& key);
+    /// Null unless views switch.
+    [[nodiscard]] const std::shared_ptr<ViewSwitch>& viewSwitch() const { return viewSwitch_; }
     /// The level's sky behind everything; null if there is none or it is switched off.
     [[nodiscard]] osg::ref_ptr<osg::Node> makeSky();
 
 private:
     std::shared_ptr<const pie::level::Level> level_;
     const pie::engine::Settings& settings_;
+    std::shared_ptr<ViewSwitch> viewSwitch_;
     std::map<StateKey, Entry> entries_;
     std::map<std::pair<std::string, bool>, osg::ref_ptr<osg::Texture2D>> textures_; ///< by image name and clamp
     std::map<std::int32_t, osg::ref_ptr<osg::Texture2D>> lightmaps_;

@@ -98,12 +98,24 @@ private:
         geometry->setTexCoordArray(0, texture);
         if (entry.lightmapCoordinates) geometry->setTexCoordArray(1, lightmap);
         geometry->setColorArray(colours);
+        if (entry.baked) geometry->setSecondaryColorArray(bakedColours(vertices));
         geometry->addPrimitiveSet(indices);
         world_.states.emplace_back(geometry, entry.state);
         geometry->setUseDisplayList(false);
         geometry->setUseVertexBufferObjects(true);
         if (entry.lit && entry.light == LightSource::Irradiance) light(*geometry, vertices, colours);
         return geometry;
+    }
+
+    /// The level's own light at vertices.
+    [[nodiscard]] osg::ref_ptr<osg::Vec3Array> bakedColours(const std::vector<std::uint32_t>& vertices) const {
+        osg::ref_ptr baked = new osg::Vec3Array(osg::Array::BIND_PER_VERTEX);
+        baked->reserve(vertices.size());
+        for (const std::uint32_t v : vertices) {
+            const auto& c = mesh_.vertices[v].colour;
+            baked->push_back(toOsg(gameLight(pie::Rgb(c.r, c.g, c.b), largestLight(engine_->settings()))));
+        }
+        return baked;
     }
 
     /// Vertex colours before any light: the level's own, or none.
@@ -141,12 +153,14 @@ private:
         if (used.empty() || !complete) return;
         // 64 U show the texture as it is (LEVELS in doc/manual.md).
         const auto& settings = engine_->settings();
-        const float scale = settings.exposure / (64.0F * largestLight(settings));
+        const std::shared_ptr<ViewSwitch>& views = states_.viewSwitch();
+        const float scale = (views ? 1.0F : settings.exposure) / (64.0F * largestLight(settings));
         // A buffer of its own: only the colours are sent again when the light changes.
         osg::ref_ptr buffer = new osg::VertexBufferObject;
         buffer->setUsage(GL_DYNAMIC_DRAW);
         colours->setVertexBufferObject(buffer);
-        geometry.setDrawCallback(new IrradianceCallback(engine_, std::move(used), std::move(ofVertex), colours, scale));
+        geometry.setDrawCallback(
+            new IrradianceCallback(engine_, std::move(used), std::move(ofVertex), colours, scale, views));
     }
 };
 
@@ -175,6 +189,7 @@ void RefinedWorld::work(const std::stop_token& stop) {
     } catch (const std::exception& error) {
         failure_ = error.what();
     }
+    done_ = true;
 }
 
 void RefinedWorld::show() {

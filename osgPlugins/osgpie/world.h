@@ -35,6 +35,7 @@ public:
     RefinedWorld(std::shared_ptr<pie::engine::Engine> engine, std::unique_ptr<StateSets> states,
                  const osg::ref_ptr<osg::Group>& place);
     void wait() { job_.wait(); }
+    [[nodiscard]] bool isDone() const { return done_; }
     /// Waits, and puts the refined world in its place.
     void show();
 
@@ -46,6 +47,7 @@ private:
     osg::ref_ptr<osg::Group> place_;
     World world_;
     std::string failure_;
+    std::atomic<bool> done_{false};
     Background job_; ///< last: it ends before what it works on
 };
 

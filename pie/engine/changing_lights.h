@@ -49,6 +49,8 @@ public:
     [[nodiscard]] std::size_t pending() const;
     /// Traces the next pieces, at most pending().
     photons::TraceCounts trace(std::size_t count);
+    /// The first `count` photons of one frame of the present lights, for looking at.
+    void sample(std::uint64_t count, std::vector<photons::Photon>& out) const { tracer_.trace(0, count, out); }
     /// Hands them over. Returns the number of photons that are now in the sums of `gather`, less those before.
     std::int64_t apply(gather::CachedGather& gather);
     /// Null where photons bring direct light.

@@ -13,11 +13,7 @@
 #include <optional>
 
 namespace pie::engine {
-namespace {
-
-bool showsOurLight(const Settings& settings) { return settings.view == View::Lit || settings.view == View::Light; }
-
-} // namespace
+namespace {} // namespace
 
 struct Engine::State {
     std::shared_ptr<const level::Level> level;
@@ -68,7 +64,7 @@ Engine::Engine(std::shared_ptr<const level::Level> level, const Settings& settin
     s.level = std::move(level);
     s.settings = chosen(settings);
     s.mesh = scene::makeMesh(*s.level);
-    s.refined = !showsOurLight(settings);
+    s.refined = !settings.showsOurLight();
     if (refinement == Refinement::AtOnce) refine();
 }
 
@@ -117,19 +113,19 @@ const lights::ImportedLights& Engine::lights() const {
 }
 
 bool Engine::advance() {
-    if (!showsOurLight(state_->settings)) return false;
+    if (!state_->settings.showsOurLight()) return false;
     prepare();
     return state_->transport->advance();
 }
 
 void Engine::setLight(std::size_t number, std::optional<lights::Light> light) {
-    if (!showsOurLight(state_->settings)) return;
+    if (!state_->settings.showsOurLight()) return;
     prepare();
     state_->transport->setLight(number, std::move(light));
 }
 
 std::size_t Engine::lightCount() {
-    if (!showsOurLight(state_->settings)) return 0;
+    if (!state_->settings.showsOurLight()) return 0;
     prepare();
     return state_->transport->lightCount();
 }
@@ -142,6 +138,17 @@ bool Engine::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out
 
 void Engine::finish(std::span<const std::uint32_t> which) {
     if (state_->ready) state_->transport->finish(which);
+}
+
+void Engine::samples(std::span<const std::uint32_t> which, std::span<std::uint32_t> out) {
+    if (state_->ready) return state_->transport->samples(which, out);
+    std::fill(out.begin(), out.end(), 0U);
+}
+
+std::vector<photons::Photon> Engine::photons(std::uint64_t count) {
+    if (!state_->settings.showsOurLight()) return {};
+    prepare();
+    return state_->transport->photons(count);
 }
 
 std::uint64_t Engine::lightRevision() const { return state_->ready ? state_->transport->lightRevision() : 0; }

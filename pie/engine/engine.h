@@ -73,6 +73,12 @@ public:
     bool irradiance(std::span<const std::uint32_t> which, std::span<Rgb> out);
     /// Refines these receivers to the end now, however long it takes. After the first advance() or prepare().
     void finish(std::span<const std::uint32_t> which);
+    /// For looking at: rays, or photons of the search, that each answer rests on so far. Zero before the first
+    /// advance(). Any thread.
+    void samples(std::span<const std::uint32_t> which, std::span<std::uint32_t> out);
+    /// For looking at: the first `count` photons of the lights as they are, every hit of theirs. Calls prepare(). By
+    /// the thread that calls advance().
+    [[nodiscard]] std::vector<photons::Photon> photons(std::uint64_t count);
     /// Number of the light that irradiance() answers with; grows whenever advance() changed it.
     [[nodiscard]] std::uint64_t lightRevision() const;
 

@@ -162,7 +162,9 @@ std::vector<std::string> Settings::warnings() const {
     if (gathers) idle("texel_light", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("direct_samples", directLight == DirectLight::ShadowRays, "direct_light is photons");
     idle("direct_tolerance", directLight == DirectLight::ShadowRays, "direct_light is photons");
-    idle("deluxe", view == View::Baked, "view is not baked");
+    idle("deluxe", view == View::Baked || viewsSwitch(), "view is not baked");
+    if (view > View::Light && renderer == Renderer::Fixed)
+        lines.push_back(fmt::format("view = {} needs renderer = glsl; lit is shown", value("view")));
     if (storeDirectLight && directLight == DirectLight::ShadowRays && !finalGathering)
         lines.emplace_back("store_direct_light costs time and shows nothing: direct_light is shadow_rays");
     if (storesDirectLight() && origin("store_direct_light") != Source::Default && !storeDirectLight)

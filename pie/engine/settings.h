@@ -25,9 +25,23 @@
 
 namespace pie::engine {
 
-/// What is shown. Lit: light by photons. Baked: the level's own lightmaps and vertex colours. Light: as Lit, without
-/// textures.
-enum class View : std::uint8_t { Lit, Baked, Fullbright, Light };
+/// What is shown. Lit: light by photons. Baked: the level's own lightmaps and vertex colours. Light, Lightmap: as Lit
+/// and Baked, without textures. Split: Baked on the left, Lit on the right. Difference: our light less the baked, in
+/// false colour. The rest looks inside.
+enum class View : std::uint8_t {
+    Lit,
+    Baked,
+    Fullbright,
+    Light,
+    Lightmap,
+    Split,
+    Difference,
+    Normals,
+    Triangles,
+    CoarseTriangles,
+    Photons,
+    Samples
+};
 /// Gather: a cached final gather over surface texels. Nearest: the photons near by. TrueArea is short for Nearest with
 /// area = true_area.
 enum class EstimatorKind : std::uint8_t { Gather, TrueArea, Nearest };
@@ -56,6 +70,7 @@ struct Settings {
     View view = View::Lit;
     Renderer renderer = Renderer::Glsl;
     ColorSpace colorSpace = ColorSpace::Quake3;
+    bool switchViews = false;  ///< programs hold every view
     float exposure = 1;        ///< factor on light before display
     float overbrightClamp = 1; ///< light is cut, hue kept, at this multiple of "texture as it is"
     Blending blending = Blending::Multiply;
@@ -159,6 +174,13 @@ struct Settings {
     /// because final gathering sees it on other surfaces.
     [[nodiscard]] bool storesDirectLight() const {
         return storeDirectLight || directLight == DirectLight::Photons || finalGathering;
+    }
+
+    /// Whether one program holds every view, so that another is a uniform away.
+    [[nodiscard]] bool viewsSwitch() const { return renderer == Renderer::Glsl && (switchViews || view > View::Light); }
+    /// Whether our light is shown, or may be at any moment.
+    [[nodiscard]] bool showsOurLight() const {
+        return view == View::Lit || view == View::Light || viewsSwitch() || view > View::Light;
     }
 
     /// The search volume in effect.

@@ -18,7 +18,9 @@ template <auto Member> constexpr Choice choice(std::span<const std::string_view>
 }
 
 // In the order of the enumerations.
-constexpr std::array<std::string_view, 4> viewNames{"lit", "baked", "fullbright", "light"};
+constexpr std::array<std::string_view, 12> viewNames{
+    "lit",     "baked",     "fullbright",       "light",   "lightmap", "split", "difference",
+    "normals", "triangles", "coarse_triangles", "photons", "samples"};
 constexpr std::array<std::string_view, 4> presetNames{"none", "draft", "balanced", "accurate"};
 constexpr std::array<std::string_view, 2> rendererNames{"glsl", "fixed"};
 constexpr std::array<std::string_view, 2> colorSpaceNames{"quake3", "srgb"};
@@ -45,7 +47,14 @@ constexpr std::array table{
     Row{"view", "View", choice<&Settings::view>(viewNames), 0, 0, "",
         "lit: light by photons. baked: the level's own lightmaps and vertex colours, as the game shows them. "
         "fullbright: textures alone. "
-        "light: as lit, without textures. Only lit and light trace photons.",
+        "light: as lit, without textures. lightmap: as baked, without textures. split: baked on the left, lit on the "
+        "right. difference: lit less baked, red where ours is brighter, blue where it is darker. normals. triangles, "
+        "coarse_triangles: edges of what is drawn, and of the level as it is in the file. photons: where they land. "
+        "samples: rays spent on each vertex so far. baked and fullbright trace no photons.",
+        ""},
+    Row{"switch_views", "View", &Settings::switchViews, 0, 0, "",
+        "Every surface's program holds all views, so that an application changes between them while the level is "
+        "shown. Drawing costs a little more, and photons are prepared whatever the view. Not with renderer = fixed.",
         ""},
     Row{"renderer", "View", choice<&Settings::renderer>(rendererNames), 0, 0, "",
         "glsl: light as floats through a GLSL 1.20 shader. fixed: for drivers without shaders; light is clamped to "

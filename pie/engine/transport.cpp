@@ -1,6 +1,7 @@
 #include "pie/engine/transport.h"
 
 #include "pie/core/clock.h"
+#include "pie/engine/options.h"
 #include "pie/engine/transport_state.h"
 
 #include <algorithm>
@@ -122,6 +123,29 @@ bool Transport::irradiance(std::span<const std::uint32_t> which, std::span<Rgb> 
 void Transport::explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out) {
     const std::lock_guard lock(state_->mutex);
     state_->explain(which, out);
+}
+
+void Transport::samples(std::span<const std::uint32_t> which, std::span<std::uint32_t> out) {
+    State& s = *state_;
+    const std::lock_guard lock(s.mutex);
+    s.ask(which);
+    if (s.gathering) {
+        for (std::size_t i = 0; i < which.size(); ++i) out[i] = s.gathering->samples(which[i]);
+        return;
+    }
+    std::vector<gather::Estimate> estimates(which.size());
+    s.estimator->explain(which, estimates);
+    for (std::size_t i = 0; i < which.size(); ++i) out[i] = estimates[i].photons;
+}
+
+std::vector<photons::Photon> Transport::photons(std::uint64_t count) {
+    State& s = *state_;
+    photons::TracerOptions options = tracerOptions(s.settings, s.lights);
+    options.storeDirectLight = true;
+    std::vector<photons::Photon> hits;
+    photons::PhotonTracer(*s.scene, s.lights, *s.intersector, options).trace(0, count, hits);
+    if (s.changing) s.changing->sample(count, hits);
+    return hits;
 }
 
 Statistics Transport::statistics() const {

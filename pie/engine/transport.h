@@ -26,6 +26,7 @@
 #include "pie/intersect/intersector.h"
 #include "pie/level/level.h"
 #include "pie/lights/light_set.h"
+#include "pie/photons/photon.h"
 #include "pie/scene/receivers.h"
 #include "pie/scene/scene.h"
 
@@ -75,6 +76,11 @@ public:
     void finish(std::span<const std::uint32_t> which);
     /// The same with standard error, bias, photons and radius: slow, for tools. Not while advance() runs.
     void explain(std::span<const std::uint32_t> which, std::span<gather::Estimate> out);
+    /// For looking at: rays, or photons of the search, that each answer rests on so far.
+    void samples(std::span<const std::uint32_t> which, std::span<std::uint32_t> out);
+    /// For looking at: where the first `count` photons of the lights as they are land, all hits of them, first ones
+    /// included. By the thread that calls advance().
+    [[nodiscard]] std::vector<photons::Photon> photons(std::uint64_t count);
     /// Number of the light that irradiance() answers with; grows whenever advance() changed it. 0: none yet.
     [[nodiscard]] std::uint64_t lightRevision() const;
 

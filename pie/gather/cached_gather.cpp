@@ -166,6 +166,11 @@ unsigned CachedGather::lastStage() const { return options_.reflections > 0 ? Fin
 
 bool CachedGather::finished(std::uint32_t receiver) const { return stage_[receiver] >= lastStage(); }
 
+unsigned CachedGather::samples(std::uint32_t receiver) const {
+    const unsigned stage = stage_[receiver];
+    return stage > Direct ? raysAt(stage) : stage == Direct ? 1 : 0;
+}
+
 std::uint64_t CachedGather::refine(std::span<const std::uint32_t> wanted, std::uint64_t rays) {
     const std::uint64_t before = rays_;
     const std::uint64_t directBefore = direct_ ? direct_->raysTraced() : 0;

@@ -94,6 +94,8 @@ public:
     /// are.
     std::uint64_t refine(std::span<const std::uint32_t> wanted, std::uint64_t rays);
     [[nodiscard]] bool finished(std::uint32_t receiver) const;
+    /// Rays that its answer rests on so far: 0 while nothing but photons around it is known, 1 with direct light alone.
+    [[nodiscard]] unsigned samples(std::uint32_t receiver) const;
     /// Makes what was added visible; refine() does so as well. Costs nothing when there is nothing new.
     void update();
 

@@ -203,9 +203,13 @@ TEST(Settings, BadValuesNameWhatIsAllowed) {
         {"exposure=1.5x", "exposure: cannot be \"1.5x\" (use <number>, 0 to 1000)"},
         {"max_edge=0", "max_edge: cannot be \"0\" (use <number>, 0.001 or more)"},
         {"seed=-1", "seed: cannot be \"-1\" (use <integer>, 0 or more)"},
-        {"view=pretty", "view: cannot be \"pretty\" (use lit|baked|fullbright|light)"},
+        {"view=pretty", "view: cannot be \"pretty\" (use "
+                        "lit|baked|fullbright|light|lightmap|split|difference|normals|triangles|coarse_"
+                        "triangles|photons|samples)"},
         {"stats=maybe", "stats: cannot be \"maybe\" (use true|false)"},
-        {"view", "view: has no value (write view=lit|baked|fullbright|light)"},
+        {"view",
+         "view: has no value (write view=lit|baked|fullbright|light|lightmap|split|difference|normals|triangles|coarse_"
+         "triangles|photons|samples)"},
     };
     for (const auto& [option, message] : cases) {
         Settings s;
