@@ -1,5 +1,7 @@
 // pieshot: a picture of a level, rendered through the plug-in as any OSG program would, with or without a display.
-#include "apps/pieshot/virtual_display.h"
+#include "apps/support/camera.h"
+#include "apps/support/picture_file.h"
+#include "apps/support/virtual_display.h"
 #include "pie/core/clock.h"
 #include "pie/engine/settings.h"
 
@@ -18,7 +20,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 
 namespace {
 
@@ -32,11 +33,6 @@ struct Arguments {
     std::string camera, game, map, threading = "SingleThreaded";
     std::vector<std::string> settings;
     bool stats = false, optimize = false;
-};
-
-struct Camera {
-    osg::Vec3d eye;
-    double yaw = 0, pitch = 0; ///< degrees; pitch is positive downwards, as in the game
 };
 
 [[noreturn]] void fail(const std::string& message) {
@@ -53,17 +49,6 @@ void preferOwnPlugin() {
     const fs::path library = program.parent_path().parent_path() / "lib";
     auto& paths = osgDB::Registry::instance()->getLibraryFilePathList();
     if (!std::getenv("OSG_LIBRARY_PATH") && fs::is_directory(library, error)) paths.push_front(library.string());
-}
-
-std::optional<Camera> parseCamera(const std::string& text) {
-    std::istringstream stream(text);
-    Camera camera;
-    std::string rest;
-    if (!(stream >> camera.eye[0] >> camera.eye[1] >> camera.eye[2])) return std::nullopt;
-    if (stream >> camera.yaw) stream >> camera.pitch;
-    stream.clear();
-    if (stream >> rest) return std::nullopt;
-    return camera;
 }
 
 /// Key=value pairs as an option string. A value with a space cannot pass through OSG's options.
@@ -100,15 +85,14 @@ struct FindStart : osg::NodeVisitor {
     osg::ref_ptr<osg::CameraView> start;
 };
 
+osg::Vec3d vector(const pie::Vec3& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
+
 osg::Matrixd viewMatrix(const Arguments& arguments, osg::Node& scene) {
     if (!arguments.camera.empty()) {
-        const auto camera = parseCamera(arguments.camera);
+        const auto camera = apps::parseCamera(arguments.camera);
         if (!camera) fail(fmt::format(R"(--camera "{}": expected "x y z yaw pitch")", arguments.camera));
-        const double yaw = osg::DegreesToRadians(camera->yaw);
-        const double pitch = osg::DegreesToRadians(-camera->pitch);
-        const osg::Vec3d ahead(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
-        const osg::Vec3d up(-std::cos(yaw) * std::sin(pitch), -std::sin(yaw) * std::sin(pitch), std::cos(pitch));
-        return osg::Matrixd::lookAt(camera->eye, camera->eye + ahead, up);
+        return osg::Matrixd::lookAt(vector(camera->eye), vector(camera->eye + apps::ahead(*camera)),
+                                    vector(apps::above(*camera)));
     }
     FindStart find;
     scene.accept(find);
@@ -141,7 +125,7 @@ struct Capture : osg::Camera::DrawCallback {
     void operator()(osg::RenderInfo& info) const override {
         const osg::Viewport* viewport = info.getCurrentCamera()->getViewport();
         image->readPixels(0, 0, static_cast<int>(viewport->width()), static_cast<int>(viewport->height()), GL_RGB,
-                          GL_UNSIGNED_BYTE);
+                          GL_UNSIGNED_BYTE, 1);
     }
     osg::ref_ptr<osg::Image> image;
 };
@@ -154,20 +138,12 @@ osgViewer::ViewerBase::ThreadingModel threadingModel(const std::string& name) {
     return Viewer::SingleThreaded;
 }
 
-/// Whole or not at all: written beside the target, then renamed.
 void writePicture(const osg::Image& image, const std::string& output) {
-    const fs::path target(output);
-    const fs::path part = target.parent_path() / ("." + target.stem().string() + ".part" + target.extension().string());
-    std::error_code error;
-    // Not osgDB::writeImageFile: that prints a line of its own.
-    if (!osgDB::Registry::instance()->writeImage(image, part.string(), nullptr).success()) {
-        fs::remove(part, error);
-        fail(fmt::format(
-            "{}: the picture could not be written (is the folder there, and is the name one that ends in .png?)",
-            output));
-    }
-    fs::rename(part, target, error);
-    if (error) fail(fmt::format("{}: {}", output, error.message()));
+    apps::FloatPicture picture{image.s(), image.t(), {}};
+    for (int row = image.t() - 1; row >= 0; --row)
+        for (int i = 0; i < 3 * image.s(); ++i)
+            picture.rgb.push_back(static_cast<float>(image.data(0, static_cast<unsigned>(row))[i]) / 255.0F);
+    if (const auto error = apps::writePicture(output, picture)) fail(error->message());
 }
 
 osg::ref_ptr<osg::Node> readLevel(const Arguments& arguments, const std::string& options) {
@@ -191,10 +167,10 @@ void render(const Arguments& arguments) {
     const std::string options = optionString(arguments);
     // By default a first frame says what is in view; the second, once its light is settled, is the picture.
     const int frames = arguments.frames.value_or(2);
-    std::optional<pieshot::VirtualDisplay> display;
+    std::optional<apps::VirtualDisplay> display;
     const char* shown = std::getenv("DISPLAY");
     if (!shown || !*shown) {
-        auto started = pieshot::VirtualDisplay::start(arguments.width, arguments.height);
+        auto started = apps::VirtualDisplay::start(arguments.width, arguments.height);
         if (!started) fail(started.error().message());
         display.emplace(std::move(*started));
     }

@@ -1,4 +1,4 @@
-#include "apps/pieshot/virtual_display.h"
+#include "apps/support/virtual_display.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace pieshot {
+namespace apps {
 namespace {
 
 /// The display number that Xvfb writes once it listens; empty when it ended or stayed silent.
@@ -78,4 +78,4 @@ VirtualDisplay::~VirtualDisplay() {
     waitpid(process_, nullptr, 0);
 }
 
-} // namespace pieshot
+} // namespace apps

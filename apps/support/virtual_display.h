@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace pieshot {
+namespace apps {
 
 class VirtualDisplay {
 public:
@@ -22,4 +22,4 @@ private:
     int process_ = -1;
 };
 
-} // namespace pieshot
+} // namespace apps
