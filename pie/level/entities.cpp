@@ -22,6 +22,15 @@ std::string_view Entity::value(std::string_view key) const {
     return {};
 }
 
+void Entity::set(std::string_view key, std::string value) {
+    const auto last =
+        std::find_if(pairs.rbegin(), pairs.rend(), [&](const auto& pair) { return equalNoCase(pair.first, key); });
+    if (last != pairs.rend())
+        last->second = std::move(value);
+    else
+        pairs.emplace_back(std::string(key), std::move(value));
+}
+
 bool Entity::has(std::string_view key) const {
     for (const auto& [name, value] : pairs)
         if (equalNoCase(name, key)) return true;

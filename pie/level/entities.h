@@ -19,6 +19,8 @@ struct Entity {
     [[nodiscard]] std::string_view value(std::string_view key) const;
     [[nodiscard]] bool has(std::string_view key) const;
     [[nodiscard]] std::string_view className() const { return value("classname"); }
+    /// Gives `key` a value where value() reads it; a key that is not there is added at the end, spelt as given.
+    void set(std::string_view key, std::string value);
     /// The number a value starts with; nullopt if absent, not a number or not finite.
     [[nodiscard]] std::optional<float> number(std::string_view key) const;
     [[nodiscard]] std::optional<Vec3> vector(std::string_view key) const;

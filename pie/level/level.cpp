@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 
 namespace pie::level {
 namespace {
@@ -81,6 +82,17 @@ const Texture* Level::lightImage(const Shader& shader) const {
         if (const Texture* found = existing(skyBoxImages(shader.skyBox)[4])) return found;
     if (const Texture* found = existing(shader.editorImage)) return found;
     return existing(shader.name);
+}
+
+Result<std::filesystem::path> Level::lightEntityFile() const {
+    if (lightEntitySource.empty()) return Error{file, "", "has no light entities", "the lights are in shaders"};
+    const std::string where = files != nullptr ? files->origin(lightEntitySource) : lightEntitySource;
+    if (!endsWithNoCase(lightEntitySource, ".map"))
+        return Error{where, "", "is compiled, and its lights are not written", "open the .map it was made from"};
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(where, error))
+        return Error{where, "", "is not a file of its own on disk", "unpack it from its archive and open that"};
+    return std::filesystem::path(where);
 }
 
 Level::View Level::firstView() const {

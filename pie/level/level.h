@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
@@ -156,6 +157,9 @@ struct Level {
     /// The image that stands for the surface's colour: q3map_lightimage, else first usable stage, else sky box up, else
     /// editor image, else the image named like the shader. Null: none of them exists.
     [[nodiscard]] const Texture* lightImage(const Shader& shader) const;
+    /// The .map on disk that holds `lightEntities`, for saving changes to them; else an Error that says why there is
+    /// none.
+    [[nodiscard]] Result<std::filesystem::path> lightEntityFile() const;
     /// First player start with its yaw in degrees; a point inside the level with yaw 0 if there is none.
     struct View {
         Vec3 eye{0.0F};

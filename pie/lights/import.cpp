@@ -89,4 +89,11 @@ ImportedLights importLights(const level::Level& level, const scene::Scene& scene
     return result;
 }
 
+std::optional<Light> lightOf(const level::Level& level, const level::Entity& entity, const ImportOptions& options) {
+    if (!detail::isLight(entity)) return std::nullopt;
+    ImportedLights result;
+    detail::importEntity(level, entity, options, result);
+    return result.lights.front();
+}
+
 } // namespace pie::lights

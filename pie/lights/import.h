@@ -10,6 +10,8 @@
 #include "pie/lights/light.h"
 #include "pie/scene/scene.h"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,8 @@ struct ImportOptions {
 
 struct ImportedLights {
     std::vector<Light> lights;
+    /// Of the light entities, which are the first of `lights`: their place in Level::lightEntities.
+    std::vector<std::uint32_t> entities;
     std::size_t points = 0, spheres = 0, spots = 0, areas = 0, suns = 0, skies = 0; ///< by kind, backsplash not counted
     std::string sources;               ///< "entities of oa_dm1.map and scripts", "scripts", "fallback"
     std::vector<std::string> warnings; ///< what is not emulated, once each
@@ -36,5 +40,10 @@ struct ImportedLights {
 
 [[nodiscard]] ImportedLights importLights(const level::Level& level, const scene::Scene& scene,
                                           const ImportOptions& options = {});
+
+/// The light that a light entity gives in the level, which may differ from all that are in it: for entities that are
+/// being edited. Nothing if it is none that lights the level.
+[[nodiscard]] std::optional<Light> lightOf(const level::Level& level, const level::Entity& entity,
+                                           const ImportOptions& options = {});
 
 } // namespace pie::lights

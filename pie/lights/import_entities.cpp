@@ -2,6 +2,7 @@
 
 #include "pie/lights/import_parts.h"
 #include "pie/lights/kinds.h"
+#include "pie/lights/light_entity.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +19,6 @@ using level::Entity;
 constexpr double pointScale = 7500.0; // of the level compiler: E = 7500 I / d²
 constexpr double fullSphere = 4.0 * std::numbers::pi;
 constexpr float spotMargin = 16.0F; // units added to `radius`
-constexpr float defaultIntensity = 300.0F;
 
 enum Spawnflags : unsigned { Linear = 1, NoAngle = 2, Unnormalised = 32 };
 
@@ -35,16 +35,8 @@ float positive(const Entity& entity, std::string_view key, float otherwise) {
     return value > 0.0F ? value : otherwise;
 }
 
-/// `_light`, else `light`, else 300; 0 counts as 300, negative lights subtract.
-float intensityOf(const Entity& entity) {
-    float intensity = entity.number("_light").value_or(entity.number("light").value_or(defaultIntensity));
-    if (intensity == 0.0F) intensity = defaultIntensity;
-    const float scale = entity.number("scale").value_or(1.0F);
-    return intensity * (scale != 0.0F ? scale : 1.0F);
-}
-
 Rgb colourOf(const Entity& entity, unsigned flags, bool linear) {
-    Rgb colour = entity.vector("_color").value_or(Vec3(1.0F));
+    Rgb colour = lights::colourOf(entity);
     colour = (flags & Unnormalised) != 0 ? glm::max(colour, Rgb(0.0F)) : normalised(colour);
     return linear ? linearised(colour) : colour;
 }
@@ -80,7 +72,7 @@ public:
 
     void add(const Entity& entity) {
         const auto flags = static_cast<unsigned>(std::clamp(entity.number("spawnflags").value_or(0.0F), 0.0F, 1e9F));
-        const Vec3 origin = entity.vector("origin").value_or(Vec3(0.0F));
+        const Vec3 origin = positionOf(entity);
         const float intensity = intensityOf(entity) * options_.pointScale;
         const Rgb colour = colourOf(entity, flags, options_.linear);
         const float deviance =
@@ -148,12 +140,22 @@ private:
 
 } // namespace
 
+bool isLight(const Entity& entity) {
+    const std::string_view name = entity.className();
+    // lightJunior lights the grid for moving models only.
+    return startsWith(name, "light") && !same(name, "lightjunior");
+}
+
+void importEntity(const level::Level& level, const Entity& entity, const ImportOptions& options,
+                  ImportedLights& result) {
+    EntityImport(level, options, result).add(entity);
+}
+
 void importEntities(const level::Level& level, const ImportOptions& options, ImportedLights& result) {
-    EntityImport import(level, options, result);
-    for (const auto& entity : level.lightEntities) {
-        const std::string_view name = entity.className();
-        // lightJunior lights the grid for moving models only.
-        if (startsWith(name, "light") && !same(name, "lightjunior")) import.add(entity);
+    for (std::uint32_t i = 0; i < level.lightEntities.size(); ++i) {
+        if (!isLight(level.lightEntities[i])) continue;
+        importEntity(level, level.lightEntities[i], options, result);
+        result.entities.push_back(i);
     }
 }
 

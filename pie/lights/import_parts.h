@@ -10,6 +10,11 @@ namespace pie::lights::detail {
 /// sRGB to linear, per channel.
 [[nodiscard]] Rgb linearised(const Rgb& colour);
 
+/// Whether the entity is a light of the level.
+[[nodiscard]] bool isLight(const level::Entity& entity);
+/// Adds the one light of an entity that is one.
+void importEntity(const level::Level& level, const level::Entity& entity, const ImportOptions& options,
+                  ImportedLights& result);
 void importEntities(const level::Level& level, const ImportOptions& options, ImportedLights& result);
 void importShaders(const level::Level& level, const ImportOptions& options, ImportedLights& result);
 void importFallback(const level::Level& level, const scene::Scene& scene, ImportedLights& result);

@@ -2,8 +2,11 @@
 
 #include "pie/brushes/compile.h"
 #include "pie/intersect/intersectors.h"
+#include "pie/level/entity_text.h"
 #include "pie/lights/import.h"
+#include "pie/lights/light_entity.h"
 #include "tests/brushes/make_map.h"
+#include "tests/support/files.h"
 
 #include <gmock/gmock.h>
 
@@ -36,6 +39,17 @@ protected:
     }
 };
 
+Vec3 placeOf(const lights::Light& light) {
+    if (const auto* point = std::get_if<lights::PointLight>(&light)) return point->position;
+    if (const auto* sphere = std::get_if<lights::SphereLight>(&light)) return sphere->position;
+    return std::get<lights::SpotLight>(light).position;
+}
+Rgb wattsOf(const lights::Light& light) {
+    if (const auto* point = std::get_if<lights::PointLight>(&light)) return point->power;
+    if (const auto* sphere = std::get_if<lights::SphereLight>(&light)) return sphere->power;
+    return std::get<lights::SpotLight>(light).power;
+}
+
 TEST_P(BundledLevels, LoadWithoutAWordAndAreOfTheirSize) {
     const level::Level level = load();
     EXPECT_THAT(level.statistics.warnings, IsEmpty());
@@ -46,6 +60,47 @@ TEST_P(BundledLevels, LoadWithoutAWordAndAreOfTheirSize) {
     const lights::ImportedLights lights = lights::importLights(level, scene);
     EXPECT_FALSE(lights.fallback);
     EXPECT_FALSE(lights.lights.empty());
+}
+
+/// What a window shows while a light is dragged is what the level has once it is saved and loaded; and whoever takes
+/// the change back has the file again, byte for byte.
+TEST_P(BundledLevels, SavedLightsAreThoseThatWereShown) {
+    const level::Level level = load();
+    const lights::ImportedLights lights = lights::importLights(level, scene::makeScene(level));
+    const Result<std::filesystem::path> file = level.lightEntityFile();
+    ASSERT_EQ(static_cast<bool>(file), !lights.entities.empty());
+    if (file) {
+        EXPECT_EQ(*file, path());
+    }
+    std::vector<level::EntityEdit> there, back;
+    std::vector<lights::Light> shown;
+    for (const std::uint32_t number : lights.entities) {
+        const level::Entity& before = level.lightEntities[number];
+        level::Entity after = before;
+        lights::setPosition(after, lights::positionOf(before) + Vec3(1.5F, -2, 1.0F / 3.0F));
+        lights::setIntensity(after, 0.7F * lights::intensityOf(before));
+        there.push_back({before, after});
+        shown.push_back(lights::lightOf(level, after).value());
+        level::Entity restored = after;
+        for (const auto& [key, value] : before.pairs) restored.set(key, value);
+        back.push_back({after, restored});
+    }
+    const test::TemporaryFolder folder;
+    const std::string text = test::readText(path());
+    const std::string copy = folder.write("copy.map", text);
+    ASSERT_FALSE(level::saveEntities(copy, there));
+    Result<level::Location> location = level::locate(copy);
+    ASSERT_TRUE(location);
+    const Result<level::Level> again = brushes::loadLevel(std::move(*location));
+    ASSERT_TRUE(again);
+    const lights::ImportedLights read = lights::importLights(*again, scene::makeScene(*again));
+    ASSERT_EQ(read.entities, lights.entities);
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+        EXPECT_EQ(placeOf(read.lights[i]), placeOf(shown[i])) << i;
+        EXPECT_EQ(wattsOf(read.lights[i]), wattsOf(shown[i])) << i;
+    }
+    ASSERT_FALSE(level::saveEntities(copy, back));
+    EXPECT_EQ(test::readText(copy), text);
 }
 
 /// A million photons; what they leave behind sends rays in all directions: each must meet something, if only sky.

@@ -210,6 +210,10 @@ TEST(Load, LightEntitiesComeFromTheLevelOrElseItsMap) {
     const Level none = load(without);
     EXPECT_TRUE(none.lightEntities.empty());
     EXPECT_EQ(none.lightEntitySource, "");
+    // None of them is a .map on disk.
+    EXPECT_THAT(own.lightEntityFile().error().message(), HasSubstr("is compiled"));
+    EXPECT_THAT(fromMap.lightEntityFile().error().message(), HasSubstr("is not a file of its own"));
+    EXPECT_THAT(none.lightEntityFile().error().message(), HasSubstr("has no light entities"));
     const Level broken = load(without, {{"maps/made.map", toBytes("{ \"a\"")}});
     EXPECT_THAT(broken.statistics.warnings, testing::Contains(HasSubstr("memory/maps/made.map: map, line 1")));
 }
