@@ -13,7 +13,6 @@
 #include <optional>
 
 namespace pie::engine {
-namespace {} // namespace
 
 struct Engine::State {
     std::shared_ptr<const level::Level> level;
