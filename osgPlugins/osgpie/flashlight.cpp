@@ -8,8 +8,11 @@ namespace osgpie {
 namespace {
 
 /// Held below the eye, so that shadows can be seen past what casts them.
-constexpr float below = 8;         // units
-constexpr float slope = 0.5F;      // the cone's radius at distance 1
+constexpr float below = 8;    // units
+constexpr float slope = 0.5F; // the cone's radius at distance 1
+// A torch has a lens: within this distance it is hardly brighter than at it, so that a wall close by is not all white
+// while the end of a hall can be seen.
+constexpr float reach = 160;       // units
 constexpr float wattsOfIntensity = // of a light entity, see lights::Light
     4.0F * std::numbers::pi_v<float> * 7500.0F;
 
@@ -38,6 +41,7 @@ void Flashlight::follow() {
     spot.direction = {view->look.x(), view->look.y(), view->look.z()};
     spot.power = pie::Rgb(wattsOfIntensity * settings.flashlightIntensity * settings.lightScale);
     spot.slope = slope;
+    spot.falloff.extraDistance = reach;
     engine_->setLight(*number_, spot);
 }
 

@@ -148,7 +148,7 @@ struct Settings {
     float lightScale = 1;                              ///< multiplies every light, beside the scale of its kind
     float pointScale = 1, areaScale = 1, skyScale = 1; ///< by kind: entities, emissive surfaces, sky and sun
     bool flashlight = false;                           ///< a spot light at the view
-    float flashlightIntensity = 500;                   ///< of a light entity
+    float flashlightIntensity = 3000;                  ///< of a light entity
 
     // Files and run
     std::string game;                  ///< game directory; empty: the one around the level
