@@ -9,8 +9,9 @@ build_packages=(
     g++ cmake ninja-build pkg-config
     libglm-dev libtbb-dev libfmt-dev libembree-dev libjpeg-dev libpng-dev libopenimageio-dev libzip-dev libtomlplusplus-dev
     libcli11-dev nlohmann-json3-dev libtinyobjloader-dev libnanoflann-dev libopenscenegraph-dev openscenegraph
+    libglfw3-dev libimgui-dev
 )
-display_packages=(xvfb libgl1-mesa-dri)
+display_packages=(xvfb libgl1-mesa-dri fonts-dejavu-core)
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
 die() { say "$*"; exit 1; }

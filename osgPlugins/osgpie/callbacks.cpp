@@ -42,7 +42,7 @@ void AdvanceCallback::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
             announce();
         }
         if (views_) views_->update();
-        if (flashlight_) flashlight_->follow();
+        if (flashlight_) flashlight_->follow(!views_ || views_->flashlight());
         const bool settled = (views_ && !views_->showsOurLight()) || !engine_->advance();
         if (!started_ || settled != settled_) {
             node->setUserValue("pie.settled", settled);

@@ -26,7 +26,12 @@ void Flashlight::operator()(osg::Node* node, osg::NodeVisitor* visitor) {
     traverse(node, visitor);
 }
 
-void Flashlight::follow() {
+void Flashlight::follow(bool on) {
+    if (!on) {
+        if (lit_ && number_) engine_->setLight(*number_, std::nullopt);
+        lit_.reset();
+        return;
+    }
     std::optional<View> view;
     {
         const std::lock_guard lock(mutex_);

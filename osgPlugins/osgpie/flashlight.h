@@ -18,8 +18,8 @@ class Flashlight : public osg::NodeCallback {
 public:
     explicit Flashlight(std::shared_ptr<pie::engine::Engine> engine) : engine_(std::move(engine)) {}
     void operator()(osg::Node* node, osg::NodeVisitor* visitor) override;
-    /// Moves the light to the view. In the update, before Engine::advance().
-    void follow();
+    /// Moves the light to the view, or puts it out. In the update, before Engine::advance().
+    void follow(bool on = true);
 
 private:
     struct View {

@@ -55,7 +55,8 @@ osg::ref_ptr<LevelNode> makeLevelNode(std::shared_ptr<pie::engine::Engine> engin
     }
     if (settings.showsOurLight()) {
         osg::ref_ptr<Flashlight> flashlight;
-        if (settings.flashlight) root->addCullCallback(flashlight = new Flashlight(engine));
+        if (views) views->setFlashlight(settings.flashlight);
+        if (settings.flashlight || views) root->addCullCallback(flashlight = new Flashlight(engine));
         root->addUpdateCallback(new AdvanceCallback(engine, flashlight, views));
     }
     if (!engine->refined())

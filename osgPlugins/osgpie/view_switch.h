@@ -24,6 +24,9 @@ public:
     void setSplit(float place);
     /// Factor on our light before display, as the setting of that name.
     void setExposure(float exposure);
+    /// The light at the view, as the setting of that name.
+    void setFlashlight(bool on) { flashlight_ = on; }
+    [[nodiscard]] bool flashlight() const { return flashlight_; }
     /// Photons of View::Photons, from the next time it is shown.
     void setPhotonCount(std::uint64_t count) { photonCount_ = count; }
     /// The points of View::Photons and edges are made anew: lights have changed.
@@ -45,6 +48,7 @@ private:
 
     std::atomic<pie::engine::View> view_;
     pie::engine::View overlayOf_ = pie::engine::View::Lit;
+    std::atomic<bool> flashlight_{false};
     std::uint64_t photonCount_ = 20'000;
     osg::ref_ptr<osg::Uniform> viewUniform_, splitUniform_, exposureUniform_;
     std::weak_ptr<pie::engine::Engine> engine_;
