@@ -13,7 +13,6 @@
 namespace pieview {
 
 using pie::engine::Source;
-using pie::engine::View;
 
 namespace {
 

@@ -24,7 +24,7 @@ TEST_F(Notes, ComeBackAsTheyWere) {
     notes.bookmarks[0] = apps::Camera{{1.5F, -2, 3}, 45, 10};
     notes.bookmarks[9] = apps::Camera{{-100, 0, 64}, -90, 0};
     notes.path = {{{0, 0, 0}, 0, 0}, {{64, 0, 0}, 90, -5}};
-    const fs::path level = "some \"odd\"\\place/x.map";
+    const fs::path level = R"(some "odd"\place/x.map)";
     const fs::path file = pieview::notesFile(level);
     EXPECT_EQ(file.parent_path(), folder_.path() / "pie/levels");
     const auto error = pieview::writeNotes(file, notes, level);
