@@ -1,6 +1,7 @@
 #pragma once
-// A camera that goes along a recorded way: a centripetal Catmull-Rom curve through the keyframes, walked at an even pace (by arc
-// length), so that frames of a film and measurements along it do not depend on how densely it was recorded.
+// A camera that goes along a recorded way: a centripetal Catmull-Rom curve through the keyframes, walked at an even
+// pace (by arc length), so that frames of a film and measurements along it do not depend on how densely it was
+// recorded.
 
 #include "apps/support/camera.h"
 

@@ -76,6 +76,8 @@ constexpr std::array table{
     Binding{LightPaler, GLFW_KEY_J, shift, "Shift+J", "Lights", "colour paler"},
     Binding{UndoLight, GLFW_KEY_U, 0, "U", "Lights", "as it is in the level"},
     Binding{UndoLights, GLFW_KEY_U, shift, "Shift+U", "Lights", "all as they are in the level"},
+    Binding{SaveLights, GLFW_KEY_S, control, "Ctrl+S", "Lights",
+            "save them to the .map; what was there stays beside it"},
 
     Binding{Help, 0, 0, "?", "Window", "all keys"},
     Binding{Panel, GLFW_KEY_TAB, 0, "Tab", "Window", "panel"},

@@ -64,6 +64,7 @@ enum class Command : std::uint8_t {
     UndoLight,
     UndoLights,
     GoToLight,
+    SaveLights,
     Statistics,
     Screenshot,
     ScreenshotExr,

@@ -90,6 +90,10 @@ void drawLightControls(Session& session) {
     if (ImGui::Checkbox("show in the view", &icons)) session.run(Command::LightIcons);
     ImGui::SameLine();
     ImGui::TextDisabled("%zu, %zu edited", lights.size(), lights.edits().size());
+    if (!lights.edits().empty()) {
+        ImGui::SameLine();
+        if (ImGui::SmallButton("save")) session.run(Command::SaveLights);
+    }
     if (session.selected()) {
         ImGui::Separator();
         drawChosen(session, *session.selected());

@@ -1,5 +1,7 @@
 #include "apps/pieview/session.h"
 
+#include "pie/engine/options.h"
+
 #include <fmt/format.h>
 
 #include <osg/ValueObject>
@@ -110,7 +112,8 @@ void Session::show(LoadedLevel loaded) {
     times_.restart();
     shown_ = looks_;
     showLooks();
-    if (loads_ > 1) say(fmt::format("read again in {:.2f} s", loadMs_ / 1000));
+    // Behind what is said still: what was saved, for one, which is why it is read again.
+    if (loads_ > 1) say(fmt::format("{}{}read again in {:.2f} s", note_, note_.empty() ? "" : "; ", loadMs_ / 1000));
 }
 
 void Session::showLooks() {
@@ -125,11 +128,44 @@ void Session::showLooks() {
 void Session::applyLights() {
     if (!node_) return;
     const std::vector<std::size_t> changed = lights_.takeChanged();
-    for (const std::size_t number : changed)
-        node_->engine().setLight(number, lights_.isOn(number) ? std::optional(lights_.light(number)) : std::nullopt);
     if (changed.empty()) return;
+    for (const std::size_t number : changed)
+        node_->engine().setLight(number, shownLight(lightSource(), lights_, number));
+    warned_ = false;
     if (node_->views()) node_->views()->renewOverlay();
     changed_ = true;
+}
+
+LightSource Session::lightSource() const {
+    const pie::engine::Engine& engine = node_->engine();
+    return {engine.level(), engine.lights(), pie::engine::importOptions(engine.settings())};
+}
+
+std::size_t Session::unsavedLights() const { return node_ ? lightsToSave(lightSource(), lights_).edits.size() : 0; }
+
+void Session::saveLights() {
+    if (!node_) return;
+    const LightsToSave plan = lightsToSave(lightSource(), lights_);
+    const auto count = [](std::size_t number) { return fmt::format("{} light{}", number, number == 1 ? "" : "s"); };
+    std::string more;
+    if (plan.ofShaders != 0) more += fmt::format("; {} in shader scripts not saved", count(plan.ofShaders));
+    if (plan.switchedOff != 0)
+        more += fmt::format("; {} switched off, but left on in the level", count(plan.switchedOff));
+    if (plan.edits.empty()) return say("no light entity is edited" + more);
+    const auto file = node_->level().lightEntityFile();
+    if (!file) return say(file.error().message());
+    if (const auto error = pie::level::saveEntities(*file, plan.edits)) return say(error->message());
+    say(fmt::format("{} saved to {}; {}.before has what was there{}", count(plan.edits.size()), file->string(),
+                    file->filename().string(), more));
+}
+
+void Session::quit() {
+    const std::size_t unsaved = warned_ ? 0 : unsavedLights();
+    ended_ = unsaved == 0;
+    warned_ = true;
+    if (!ended_)
+        say(fmt::format("{} edited light{} not saved: {} saves, once more ends", unsaved, unsaved == 1 ? "" : "s",
+                        keysOf(Command::SaveLights)));
 }
 
 void Session::step(double seconds, const Held& held) {

@@ -11,6 +11,7 @@
 #include "apps/pieview/level_notes.h"
 #include "apps/pieview/light_edits.h"
 #include "apps/pieview/loader.h"
+#include "apps/pieview/save_lights.h"
 #include "apps/pieview/stage_times.h"
 #include "apps/pieview/walk.h"
 
@@ -94,6 +95,8 @@ public:
     /// "point", "spot", "area textures/lamp": lights that belong together.
     [[nodiscard]] const std::string& groupOf(std::size_t light) const { return groups_.at(light); }
     void switchGroup(const std::string& group, bool on);
+    /// Edited light entities that the .map on disk does not have yet.
+    [[nodiscard]] std::size_t unsavedLights() const;
     /// By arrow keys: units to the right and upwards of the picture, or straight up with `vertical`.
     void nudge(float right, float up, bool vertical);
     /// Whether something solid stands between the eye and the point.
@@ -117,6 +120,9 @@ private:
     void bookmark(Command command, int digit);
     void pathCommand(Command command);
     void lightCommand(Command command);
+    void saveLights();
+    void quit();
+    [[nodiscard]] LightSource lightSource() const;
     void stepLight(int by);
     void keepNotes();
     void namePicture(const char* ending);
@@ -158,7 +164,8 @@ private:
     std::optional<std::string> pictureName_;
     Command windowCommand_ = Command::None;
     bool ended_ = false;
-    Loader loader_; ///< last: it ends before what it wakes
+    bool warned_ = false; ///< about lights that are not saved
+    Loader loader_;       ///< last: it ends before what it wakes
 };
 
 } // namespace pieview

@@ -68,7 +68,8 @@ void Session::run(Command command, int digit) {
     case Command::Statistics: looks_.statistics = !looks_.statistics; break;
     case Command::FullScreen:
     case Command::VerticalSync: windowCommand_ = command; break;
-    case Command::Quit: ended_ = true; break;
+    case Command::Quit: quit(); break;
+    case Command::SaveLights: saveLights(); break;
     case Command::Reload: reload(); break;
     case Command::Cancel:
         if (loader_.cancel())

@@ -66,8 +66,12 @@ public:
 
     int run() {
         double last = glfwGetTime();
-        while (!glfwWindowShouldClose(window_) && !session_.ended()) {
+        while (!session_.ended()) {
             waitForWork();
+            if (glfwWindowShouldClose(window_) != 0) {
+                glfwSetWindowShouldClose(window_, GLFW_FALSE); // what is not saved is asked about
+                session_.run(Command::Quit);
+            }
             const double now = glfwGetTime();
             const double seconds = now - last;
             last = now;

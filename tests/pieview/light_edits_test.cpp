@@ -2,6 +2,7 @@
 
 #include "apps/pieview/light_edits.h"
 #include "apps/pieview/light_picking.h"
+#include "apps/pieview/save_lights.h"
 
 #include <gtest/gtest.h>
 
@@ -136,6 +137,78 @@ TEST(LightPicking, DragsInThePictureUpwardsAndAlongAnAxis) {
     const Vec3 along = drag({230, 180}, pieview::DragAlong::Axis);
     EXPECT_NEAR(along.x, 30, 0.01F);
     EXPECT_NEAR(along.z, 0, 0.01F);
+}
+
+/// A level of two entities, the second a spot light, and an emissive panel.
+struct SaveLights : ::testing::Test {
+    SaveLights() {
+        level.lightEntities.resize(3);
+        level.lightEntities[0].pairs = {{"classname", "light"}, {"origin", "0 0 0"}, {"_color", "1 .5 .25"}};
+        level.lightEntities[1].pairs = {
+            {"classname", "light"}, {"origin", "0 0 100"}, {"light", "50"}, {"target", "t"}};
+        level.lightEntities[2].pairs = {{"classname", "info_null"}, {"origin", "0 0 0"}, {"targetname", "t"}};
+    }
+    void import() {
+        imported = importLights(level, {}, options);
+        imported.lights.emplace_back(panel());
+        edits = LightEdits(imported.lights);
+    }
+    [[nodiscard]] pieview::LightSource source() const { return {level, imported, options}; }
+
+    pie::level::Level level;
+    ImportOptions options;
+    ImportedLights imported;
+    LightEdits edits;
+};
+
+TEST_F(SaveLights, OnlyWhatChangedIsWritten) {
+    import();
+    ASSERT_EQ(edits.size(), 3U);
+    EXPECT_TRUE(pieview::lightsToSave(source(), edits).edits.empty());
+    edits.set(0, pieview::withStrength(edits.light(0), 450));
+    edits.set(2, pieview::withStrength(edits.light(2), 450));
+    edits.setOn(1, false);
+    const auto plan = pieview::lightsToSave(source(), edits);
+    ASSERT_EQ(plan.edits.size(), 1U);
+    EXPECT_EQ(plan.edits[0].after.value("light"), "450");
+    EXPECT_EQ(plan.edits[0].after.value("_color"), "1 .5 .25");
+    EXPECT_EQ(plan.edits[0].after.value("origin"), "0 0 0");
+    EXPECT_EQ(plan.ofShaders, 1U);
+    EXPECT_EQ(plan.switchedOff, 1U);
+}
+
+TEST_F(SaveLights, FactorsOfTheSettingsStayOutOfTheLevel) {
+    options.pointScale = 4;
+    options.linear = true;
+    import();
+    edits.set(0, pieview::withColour(pieview::withStrength(edits.light(0), 600), {0.5F, 1, 0}));
+    const auto edit = pieview::entityEdit(source(), edits, 0);
+    ASSERT_TRUE(edit);
+    EXPECT_EQ(edit->after.value("light"), "150"); // of 600
+    EXPECT_EQ(edit->after.value("_color"), "0.735 1 0");
+    EXPECT_NEAR(pieview::colourOf(*pieview::shownLight(source(), edits, 0)).x, 0.5F, 2e-3F);
+}
+
+TEST_F(SaveLights, AMovedSpotLightIsShownLookingAtItsTarget) {
+    import();
+    edits.set(1, pieview::movedTo(edits.light(1), {100, 0, 0}));
+    const auto shown = pieview::shownLight(source(), edits, 1);
+    ASSERT_TRUE(shown);
+    EXPECT_EQ(std::get<SpotLight>(*shown).direction, Vec3(-1, 0, 0));
+    edits.setOn(1, false);
+    EXPECT_FALSE(pieview::shownLight(source(), edits, 1));
+    EXPECT_FALSE(pieview::entityEdit(source(), edits, 2));
+    EXPECT_TRUE(pieview::shownLight(source(), edits, 2));
+}
+
+TEST_F(SaveLights, UnnormalisedColoursKeepTheirScale) {
+    level.lightEntities[0].set("_color", "4 2 1");
+    level.lightEntities[0].set("spawnflags", "32");
+    import();
+    edits.set(0, pieview::withColour(edits.light(0), {0, 1, 0}));
+    EXPECT_EQ(pieview::entityEdit(source(), edits, 0)->after.value("_color"), "0 4 0");
+    EXPECT_NEAR(pieview::strengthOf(*pieview::shownLight(source(), edits, 0)), pieview::strengthOf(edits.original(0)),
+                1);
 }
 
 } // namespace

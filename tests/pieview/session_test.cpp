@@ -157,6 +157,53 @@ TEST_F(SessionTest, EditsStayWhenTheLevelIsReadAgain) {
     EXPECT_EQ(session.selected(), 0U);
 }
 
+TEST_F(SessionTest, SavedLightsAreInTheMapAndWhatWasThereIsBeside) {
+    saveRoom("{\n\"classname\" \"info_player_start\"\n\"origin\" \"0 -128 -64\"\n\"angle\" \"90\"\n}\n");
+    const std::string before = "// by hand\n{\n\"classname\" \"light\"\n\"origin\" \"0 0 128\"\n\"light\" \"300\"\n}\n";
+    const fs::path map = folder_.write("maps/room.map", before);
+    Session session(level(), settings_);
+    ASSERT_TRUE(load(session));
+    session.run(Command::SaveLights);
+    EXPECT_THAT(session.note(), HasSubstr("no light entity is edited"));
+    session.run(Command::NextLight);
+    session.nudge(16.126F, 0, false); // looking along +y
+    session.run(Command::LightBrighter);
+    session.step(0, {});
+    EXPECT_EQ(session.unsavedLights(), 1U);
+    session.run(Command::Quit);
+    EXPECT_FALSE(session.ended()) << "not without a word";
+    EXPECT_THAT(session.note(), HasSubstr("1 edited light not saved: Ctrl+S saves"));
+    const unsigned loads = session.loads();
+    session.run(Command::SaveLights);
+    EXPECT_THAT(session.note(), HasSubstr("1 light saved to"));
+    EXPECT_EQ(pie::test::readText(map),
+              "// by hand\n{\n\"classname\" \"light\"\n\"origin\" \"16.13 0 128\"\n\"light\" \"330\"\n}\n");
+    EXPECT_EQ(pie::test::readText(map.string() + ".before"), before);
+    ASSERT_TRUE(until(session, [&] { return session.loads() > loads && !session.loading(); }));
+    EXPECT_TRUE(session.lights().edits().empty()) << "they are the level's now";
+    EXPECT_NEAR(positionOf(session.lights().light(0))->x, 16.13F, 1e-3F);
+    EXPECT_NEAR(strengthOf(session.lights().light(0)), 330, 0.01F);
+    session.run(Command::Quit);
+    EXPECT_TRUE(session.ended());
+}
+
+TEST_F(SessionTest, LightsOfACompiledLevelAreNotSavedAndThatIsSaid) {
+    Session session(level(), settings_);
+    ASSERT_TRUE(load(session));
+    const std::string before = pie::test::readText(level());
+    session.run(Command::NextLight);
+    session.run(Command::LightBrighter);
+    session.run(Command::SaveLights);
+    EXPECT_THAT(session.note(), HasSubstr("is compiled"));
+    EXPECT_EQ(pie::test::readText(level()), before);
+    session.run(Command::UndoLight);
+    session.run(Command::SwitchLight);
+    session.run(Command::SaveLights);
+    EXPECT_THAT(session.note(), HasSubstr("1 light switched off, but left on in the level"));
+    session.run(Command::Quit);
+    EXPECT_TRUE(session.ended()) << "switches are for looking";
+}
+
 TEST_F(SessionTest, SettingsThatAreWrongAreSaidAndOthersReadTheLevelAgain) {
     Session session(level(), settings_);
     ASSERT_TRUE(load(session));
