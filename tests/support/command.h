@@ -10,8 +10,8 @@ namespace pie::test {
 struct CommandOptions {
     /// Added to this process's environment; an empty value removes the variable.
     std::vector<std::pair<std::string, std::string>> environment;
-    std::string folder;         ///< working directory; empty: this process's
-    double timeoutSeconds = 60; ///< then the program and its children are killed
+    std::string folder;          ///< working directory; empty: this process's
+    double timeoutSeconds = 300; ///< then the program and its children are killed: long enough under a sanitizer
 };
 
 struct CommandResult {
