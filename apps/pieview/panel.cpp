@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -72,9 +73,11 @@ void drawViewControls(Session& session) {
     ImGui::SameLine();
     toggle(session, "time runs", looks.timeRuns, Command::Time);
     const auto& settings = session.settings();
+    ImGui::AlignTextToFramePadding();
     ImGui::Text("brightest %g x texture,", static_cast<double>(settings.overbrightClamp));
     ImGui::SameLine();
     button(session, "change##overbright", Command::Overbright);
+    ImGui::AlignTextToFramePadding();
     ImGui::Text("colours %s,", settings.value("color_space").c_str());
     ImGui::SameLine();
     button(session, "change##space", Command::ColorSpace);
@@ -167,6 +170,27 @@ void drawState(Session& session) {
     button(session, "keys ?", Command::Help);
 }
 
+void drawList(const char* title, const std::vector<std::string>& lines) {
+    if (lines.empty()) return;
+    constexpr std::size_t most = 25;
+    ImGui::TextColored({1.0F, 0.8F, 0.3F, 1.0F}, "%zu %s", lines.size(), title);
+    if (!ImGui::IsItemHovered()) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 40);
+    for (std::size_t i = 0; i < std::min(most, lines.size()); ++i) ImGui::TextUnformatted(lines[i].c_str());
+    if (lines.size() > most) ImGui::TextDisabled("and %zu more; bspinfo lists them", lines.size() - most);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
+/// What the level's author should know about its content.
+void drawWarnings(Session& session) {
+    if (!session.level()) return;
+    const auto& statistics = session.level()->level().statistics;
+    drawList("warnings", statistics.warnings);
+    drawList("textures not found", statistics.missingTextures);
+}
+
 void drawBanner(const Session& session) {
     if (session.error().empty()) return;
     const ImGuiViewport& screen = *ImGui::GetMainViewport();
@@ -232,6 +256,7 @@ void drawPanel(Session& session, const PanelPlace& place) {
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoNavInputs);
     ImGui::PushItemWidth(ImGui::GetFontSize() * 11);
     drawState(session);
+    drawWarnings(session);
     if (ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) drawViewControls(session);
     if (ImGui::CollapsingHeader("Camera")) drawCameraControls(session);
     if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) drawLightControls(session);

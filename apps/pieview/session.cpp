@@ -94,6 +94,9 @@ void Session::show(LoadedLevel loaded) {
     ++loads_;
     changed_ = true;
     if (loaded.error) {
+        std::error_code ignored;
+        // As the user named it.
+        if (fs::path(loaded.error->file) == fs::absolute(level_, ignored)) loaded.error->file = level_;
         error_ = loaded.error->message();
         return;
     }

@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace pieview {
 namespace {
@@ -77,6 +78,8 @@ public:
             last = now;
             session_.step(seconds, held());
             obey(session_.takeWindowCommand());
+            // Windows of the panel that appear are measured in one frame and shown in the next.
+            if (std::exchange(seenLoads_, session_.loads()) != session_.loads()) stir();
             if (session_.looks().timeRuns) levelTime_ += seconds;
             if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED) != 0) continue;
             if (session_.needsFrame() || session_.loading() || stirred_ > 0) drawFrame();
@@ -271,6 +274,7 @@ private:
     float panelScale_ = 1;
     double levelTime_ = 0;
     int stirred_ = 3;
+    unsigned seenLoads_ = 0;
     bool looking_ = false, verticalSync_ = true;
     Drag drag_ = Drag::None;
     Vec2 lastPixel_{0.0F}, grabbedPixel_{0.0F};

@@ -4,6 +4,7 @@
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -45,7 +46,7 @@ void XClient::press(const std::string& keys) const {
     const std::vector<std::string> names = parts(keys);
     for (const std::string& name : names) hold(name, true);
     pause(30); // a key that is down for no time is easily missed
-    for (auto name = names.rbegin(); name != names.rend(); ++name) hold(*name, false);
+    std::for_each(names.rbegin(), names.rend(), [this](const std::string& name) { hold(name, false); });
     pause(20);
 }
 
