@@ -26,17 +26,21 @@ fs::path folderOf(const fs::path& file) { return file.has_parent_path() ? file.p
 } // namespace
 
 FileWatch::FileWatch(const std::vector<fs::path>& files) : inotify_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
-    for (const fs::path& file : files) add(file);
+    add(files);
 }
 
 FileWatch::~FileWatch() {
     if (inotify_ >= 0) ::close(inotify_);
 }
 
-void FileWatch::add(const fs::path& file) {
-    Watched watched{file, -1, timeOf(file)};
-    attach(watched);
-    files_.push_back(std::move(watched));
+void FileWatch::add(const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) {
+        if (std::any_of(files_.begin(), files_.end(), [&](const Watched& known) { return known.file == file; }))
+            continue;
+        Watched watched{file, -1, timeOf(file)};
+        attach(watched);
+        files_.push_back(std::move(watched));
+    }
 }
 
 void FileWatch::attach(Watched& watched) const {
@@ -109,6 +113,20 @@ std::vector<fs::path> filesOfLevel(const fs::path& level) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (extension == ".bsp") files.push_back(fs::path(file).replace_extension(".map"));
+    return files;
+}
+
+std::vector<fs::path> filesAround(const pie::level::Level& level) {
+    std::vector<fs::path> files;
+    if (!level.files) return files;
+    const auto add = [&](const std::string& name) {
+        std::error_code error;
+        const fs::path file = level.files->origin(name);
+        if (!file.empty() && fs::is_regular_file(file, error)) files.push_back(file);
+    };
+    for (const auto& texture : level.textures)
+        if (!texture.path.empty()) add(texture.path);
+    for (const std::string& script : level.files->list("scripts", ".shader")) add(script);
     return files;
 }
 

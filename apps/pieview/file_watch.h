@@ -3,6 +3,8 @@
 // another over it, or by removing it and writing anew: after each a watch on the file itself would be deaf. Where the
 // kernel has no watch to give, the files' times are looked at twice a second instead.
 
+#include "pie/level/level.h"
+
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -18,6 +20,8 @@ public:
     FileWatch(const FileWatch&) = delete;
     FileWatch& operator=(const FileWatch&) = delete;
 
+    /// Watches these, too; those it knows are not watched twice.
+    void add(const std::vector<std::filesystem::path>& files);
     /// Whether any was saved since the last call: written and closed, or put in its place whole. Does not wait.
     [[nodiscard]] bool changed();
 
@@ -27,7 +31,6 @@ private:
         int descriptor = -1; ///< of its folder; -1: none to be had
         std::filesystem::file_time_type time;
     };
-    void add(const std::filesystem::path& file);
     void attach(Watched& watched) const;
     [[nodiscard]] bool readEvents();
     [[nodiscard]] bool lookAtTimes();
@@ -39,5 +42,8 @@ private:
 
 /// What a level is read from: itself (or the archive it is in), where a link leads, and for a .bsp the .map beside it.
 [[nodiscard]] std::vector<std::filesystem::path> filesOfLevel(const std::filesystem::path& level);
+
+/// Pictures and shader scripts on disk that `level` was made with; what lies in archives is not among them.
+[[nodiscard]] std::vector<std::filesystem::path> filesAround(const pie::level::Level& level);
 
 } // namespace pieview

@@ -103,6 +103,7 @@ void Session::show(LoadedLevel loaded) {
     error_.clear();
     loadMs_ = loaded.milliseconds;
     trace_ = std::move(loaded.trace);
+    watch_.add(filesAround(loaded.node->level()));
     scene_->removeChildren(0, scene_->getNumChildren());
     node_ = loaded.node;
     scene_->addChild(node_);

@@ -1,6 +1,7 @@
 // The session under commands and saves, without a window.
 
 #include "apps/pieview/session.h"
+#include "tests/support/picture.h"
 #include "tests/support/room.h"
 
 #include <gmock/gmock.h>
@@ -86,6 +87,17 @@ TEST_F(SessionTest, ABrokenSaveKeepsTheLevelAndTheNextOneMendsIt) {
     ASSERT_TRUE(until(session, [&] { return session.error().empty(); }));
     EXPECT_NE(session.level(), before);
     EXPECT_EQ(session.camera(), (Camera{{1, 2, 3}, 4, 5}));
+}
+
+TEST_F(SessionTest, PicturesThatAreSavedAreReadAgainToo) {
+    Session session(level(), settings_);
+    ASSERT_TRUE(load(session));
+    pie::test::Picture picture{16, 16, std::vector<std::uint8_t>(std::size_t{3} * 16 * 16, 90)};
+    ASSERT_TRUE(pie::test::writePicture(folder_.path() / "textures/room/plain.png", picture));
+    ASSERT_TRUE(until(session, [&] { return session.loads() >= 2; }));
+    const auto* texture = session.level()->level().texture("textures/room/plain");
+    ASSERT_TRUE(texture && texture->image);
+    EXPECT_EQ(texture->image->pixels.front().r, 90);
 }
 
 TEST_F(SessionTest, ASaveDuringReadingIsNotLost) {
