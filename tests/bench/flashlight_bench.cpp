@@ -11,6 +11,7 @@
 #include "pie/core/clock.h"
 #include "pie/core/parallel.h"
 #include "pie/engine/engine.h"
+#include "tests/bench/timing.h"
 
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <numbers>
 #include <numeric>
 #include <string>
@@ -109,13 +109,6 @@ double difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     return 100 * std::sqrt(sum / count) / (mean / count);
 }
 
-std::string load() {
-    std::ifstream file("/proc/loadavg");
-    std::string one;
-    file >> one;
-    return one;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
@@ -189,7 +182,7 @@ int main(int argc, char** argv) {
                "\"still_fluctuation_percent\":{:.5f},\"held_fluctuation_percent\":{:.5f},"
                "\"converging_fluctuation_percent\":{:.4f},\"largest_step_percent\":{:.4f},\"stop_to_still_frames\":{},"
                "\"stop_to_still_change_percent\":{:.4f}}}\n",
-               level->name, engine.mesh().triangles.size(), walk.which.size(), threads(), load(),
+               level->name, engine.mesh().triangles.size(), walk.which.size(), threads(), bench::loadAverage(),
                static_cast<double>(settings.budgetMs), settledAfter, stillMs, median, high, still.percent(),
                held.percent(), converging.percent(), largestStep, frames, difference(walk.light, before));
     return 0;

@@ -16,7 +16,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -85,13 +84,6 @@ double medianOf(const std::vector<Reload>& reloads, double Reload::*what) {
     return bench::median(values);
 }
 
-std::string load() {
-    std::ifstream file("/proc/loadavg");
-    std::string one;
-    file >> one;
-    return one;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
@@ -113,7 +105,7 @@ int main(int argc, char** argv) {
     fmt::print(
         "{{\"level\":\"{}\",\"threads\":{},\"load\":{},\"read_ms\":{:.0f},\"refined_ms\":{:.0f},\"lit_ms\":{:.0f},"
         "\"within_5_percent_ms\":{:.0f},\"settled_ms\":{:.0f},\"frames\":{}}}\n",
-        argv[1], threads(), load(), medianOf(reloads, &Reload::read), medianOf(reloads, &Reload::refined),
+        argv[1], threads(), bench::loadAverage(), medianOf(reloads, &Reload::read), medianOf(reloads, &Reload::refined),
         medianOf(reloads, &Reload::lit), medianOf(reloads, &Reload::close), medianOf(reloads, &Reload::settled),
         reloads.back().frames);
     return 0;

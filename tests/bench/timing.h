@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
+#include <string>
 #include <vector>
 
 namespace pie::bench {
@@ -20,6 +22,14 @@ template <class Work> [[nodiscard]] double milliseconds(const Work& work) {
 [[nodiscard]] inline double median(std::vector<double> values) {
     std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
+}
+
+/// Of the machine over the last minute, as the system writes it: stands beside what was measured.
+[[nodiscard]] inline std::string loadAverage() {
+    std::ifstream file("/proc/loadavg");
+    std::string one;
+    file >> one;
+    return one;
 }
 
 } // namespace pie::bench
